@@ -1,0 +1,19 @@
+# A layer is a folder of src/mmlins with its own library. The table of layers is src/mmlins/CMakeLists.txt;
+# tools/check_layers.py reads the same table and refuses an include that it does not allow.
+#
+#   add_layer(imu DEPS base math sensor PACKAGES fmt::fmt)
+function(add_layer name)
+  cmake_parse_arguments(LAYER "" "" "DEPS;PACKAGES;PRIVATE_PACKAGES" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${name}/*.cpp)
+  set(target mmlins_${name})
+  list(TRANSFORM LAYER_DEPS PREPEND mmlins_)
+  if(sources)
+    add_library(${target} STATIC ${sources})
+    target_include_directories(${target} PUBLIC ${PROJECT_SOURCE_DIR}/src)
+    target_link_libraries(${target} PUBLIC ${LAYER_DEPS} ${LAYER_PACKAGES} PRIVATE ${LAYER_PRIVATE_PACKAGES} mmlins_compile_options)
+  else()
+    add_library(${target} INTERFACE)
+    target_include_directories(${target} INTERFACE ${PROJECT_SOURCE_DIR}/src)
+    target_link_libraries(${target} INTERFACE ${LAYER_DEPS} ${LAYER_PACKAGES})
+  endif()
+endfunction()
