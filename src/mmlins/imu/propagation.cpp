@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+#include "mmlins/imu/propagation.hpp"
+
+#include "mmlins/base/check.hpp"
+
+namespace mmlins::imu {
+namespace {
+
+ImuStep step_between(const sensor::ImuSample& a, const sensor::ImuSample& b) {
+  return {to_seconds(b.time - a.time), 0.5 * (a.gyro + b.gyro), 0.5 * (a.accel + b.accel)};
+}
+
+}  // namespace
+
+NavState integrate(const NavState& state, const ImuStep& step) {
+  const double dt = step.dt;
+  const Vector3d turn = (step.gyro - state.gyro_bias) * dt;
+  const Matrix3d R_mid = state.R_odom_imu * math::so3_exp(0.5 * turn);
+  const Vector3d accel_odom = R_mid * (step.accel - state.accel_bias) + state.gravity_odom;
+  NavState next = state;
+  next.p_odom += state.v_odom * dt + 0.5 * dt * dt * accel_odom;
+  next.v_odom += accel_odom * dt;
+  next.R_odom_imu = state.R_odom_imu * math::so3_exp(turn);
+  next.time += from_seconds(dt);
+  return next;
+}
+
+ErrorMatrix transition(const NavState& state, const ImuStep& step) {
+  const double dt = step.dt;
+  const Vector3d turn = (step.gyro - state.gyro_bias) * dt;
+  const Vector3d force = step.accel - state.accel_bias;
+  const Matrix3d half = math::so3_exp(0.5 * turn);
+  const Matrix3d R_mid = state.R_odom_imu * half;
+  const Matrix3d dv_dtheta = -R_mid * math::skew(force) * half.transpose() * dt;
+  const Matrix3d dv_dgyro_bias = R_mid * math::skew(force) * math::so3_right_jacobian(0.5 * turn) * (0.5 * dt * dt);
+  const Matrix3d dv_daccel_bias = -R_mid * dt;
+  const math::Matrix32d dv_dgravity = math::sphere_plus_jacobian(state.gravity_odom) * dt;
+
+  ErrorMatrix F = ErrorMatrix::Identity();
+  F.block<3, 3>(kRotation, kRotation) = math::so3_exp(-turn);
+  F.block<3, 3>(kRotation, kGyroBias) = -math::so3_right_jacobian(turn) * dt;
+  F.block<3, 3>(kVelocity, kRotation) = dv_dtheta;
+  F.block<3, 3>(kVelocity, kGyroBias) = dv_dgyro_bias;
+  F.block<3, 3>(kVelocity, kAccelBias) = dv_daccel_bias;
+  F.block<3, 2>(kVelocity, kGravityDirection) = dv_dgravity;
+  F.block<3, 3>(kPosition, kVelocity) = Matrix3d::Identity() * dt;
+  F.block<3, 3>(kPosition, kRotation) = 0.5 * dt * dv_dtheta;
+  F.block<3, 3>(kPosition, kGyroBias) = 0.5 * dt * dv_dgyro_bias;
+  F.block<3, 3>(kPosition, kAccelBias) = 0.5 * dt * dv_daccel_bias;
+  F.block<3, 2>(kPosition, kGravityDirection) = 0.5 * dt * dv_dgravity;
+  return F;
+}
+
+ErrorMatrix step_noise(const ImuStep& step, const ImuNoise& noise) {
+  const double dt = step.dt;
+  const Matrix3d I = Matrix3d::Identity();
+  const double accel2 = noise.accel * noise.accel;
+  ErrorMatrix Q = ErrorMatrix::Zero();
+  Q.block<3, 3>(kRotation, kRotation) = noise.gyro * noise.gyro * dt * I;
+  // White acceleration noise is the same in every frame, so it needs no rotation.
+  Q.block<3, 3>(kVelocity, kVelocity) = accel2 * dt * I;
+  Q.block<3, 3>(kPosition, kVelocity) = 0.5 * accel2 * dt * dt * I;
+  Q.block<3, 3>(kVelocity, kPosition) = 0.5 * accel2 * dt * dt * I;
+  Q.block<3, 3>(kPosition, kPosition) = accel2 * dt * dt * dt / 3.0 * I;
+  Q.block<3, 3>(kGyroBias, kGyroBias) = noise.gyro_bias_walk * noise.gyro_bias_walk * dt * I;
+  Q.block<3, 3>(kAccelBias, kAccelBias) = noise.accel_bias_walk * noise.accel_bias_walk * dt * I;
+  return Q;
+}
+
+Propagation propagate(const Estimate& start, const sensor::ImuSamples& samples, const ImuNoise& noise) {
+  MMLINS_CHECK(!samples.empty() && samples.front().time == start.state.time);
+  Propagation result{start, {{start.state.time, start.state.T_odom_imu()}}};
+  Estimate& now = result.estimate;
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    const ImuStep step = step_between(samples[i - 1], samples[i]);
+    const ErrorMatrix F = transition(now.state, step);
+    now.P = F * now.P * F.transpose() + step_noise(step, noise);
+    now.state = integrate(now.state, step);
+    now.state.time = samples[i].time;
+    result.T_odom_imu.push_back({now.state.time, now.state.T_odom_imu()});
+  }
+  return result;
+}
+
+NavState integrate_backwards(const NavState& end, const sensor::ImuSamples& samples) {
+  MMLINS_CHECK(!samples.empty() && samples.back().time == end.time);
+  NavState state = end;
+  for (std::size_t i = samples.size() - 1; i > 0; --i) {
+    const ImuStep step = step_between(samples[i - 1], samples[i]);
+    const Vector3d turn = (step.gyro - state.gyro_bias) * step.dt;
+    state.R_odom_imu = state.R_odom_imu * math::so3_exp(-turn);
+    const Matrix3d R_mid = state.R_odom_imu * math::so3_exp(0.5 * turn);
+    const Vector3d accel_odom = R_mid * (step.accel - state.accel_bias) + state.gravity_odom;
+    state.v_odom -= accel_odom * step.dt;
+    state.p_odom -= state.v_odom * step.dt + 0.5 * step.dt * step.dt * accel_odom;
+    state.time = samples[i - 1].time;
+  }
+  return state;
+}
+
+}  // namespace mmlins::imu

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+// Motion between scans: strapdown integration of the IMU and of the covariance. docs/math/eskf.md, section 2.
+
+#include <vector>
+
+#include "mmlins/imu/nav_state.hpp"
+#include "mmlins/math/trajectory.hpp"
+#include "mmlins/sensor/imu_sample.hpp"
+
+namespace mmlins::imu {
+
+/// Continuous noise densities.
+struct ImuNoise {
+  double gyro = 0.0;             ///< [rad/s/sqrt(Hz)]
+  double accel = 0.0;            ///< [m/s^2/sqrt(Hz)]
+  double gyro_bias_walk = 0.0;   ///< [rad/s^2/sqrt(Hz)]
+  double accel_bias_walk = 0.0;  ///< [m/s^3/sqrt(Hz)]
+};
+
+struct Estimate {
+  NavState state;
+  ErrorMatrix P = ErrorMatrix::Identity();  ///< covariance of the error of `state`
+};
+
+/// One integration step: mean rate and specific force over `dt` seconds.
+struct ImuStep {
+  double dt = 0.0;
+  Vector3d gyro = Vector3d::Zero();
+  Vector3d accel = Vector3d::Zero();
+};
+
+/// The state after one step, by the midpoint rule. Eqs. (4)-(6).
+[[nodiscard]] NavState integrate(const NavState& state, const ImuStep& step);
+/// Derivative of the error after the step with respect to the error before it. Eq. (7).
+[[nodiscard]] ErrorMatrix transition(const NavState& state, const ImuStep& step);
+/// Covariance that the step's noise adds. Eq. (8).
+[[nodiscard]] ErrorMatrix step_noise(const ImuStep& step, const ImuNoise& noise);
+
+/// Estimate at the last sample, and the poses on the way, one per sample.
+struct Propagation {
+  Estimate estimate;
+  math::Trajectory T_odom_imu;
+};
+
+/// Integrates from `start` through `samples`, of which the first must be at start.state.time.
+[[nodiscard]] Propagation propagate(const Estimate& start, const sensor::ImuSamples& samples, const ImuNoise& noise);
+
+/// The state at the first sample, given that at the last: exact inverse of integrating forwards.
+[[nodiscard]] NavState integrate_backwards(const NavState& end, const sensor::ImuSamples& samples);
+
+}  // namespace mmlins::imu

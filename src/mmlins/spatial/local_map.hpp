@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+// What the odometry needs of a map: put points in, ask for the surface near a point, forget what is far.
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+
+namespace mmlins::spatial {
+
+/// The plane that the map offers for one point.
+struct PlaneMatch {
+  bool found = false;
+  std::uint32_t plane_id = 0;      ///< same number: same plane
+  Eigen::Vector3d normal;          ///< unit, in the frame of the map
+  double distance = 0.0;           ///< signed distance of the point from the plane [m]
+  double surface_variance = 0.0;   ///< how far a single point of this surface strays from the plane [m^2]
+  double plane_variance = 0.0;     ///< uncertainty of the plane itself at the point [m^2]
+};
+
+class LocalMap {
+ public:
+  virtual ~LocalMap() = default;
+  /// Adds points given in the frame of the map.
+  virtual void insert(std::span<const Eigen::Vector3d> points) = 0;
+  /// The plane that suits the point best, no farther than `gate` [m]. Safe to call from many threads.
+  [[nodiscard]] virtual PlaneMatch match(const Eigen::Vector3d& point, double gate) const = 0;
+  /// Forgets what lies farther than `radius` [m] from `centre`, perhaps a part at a time.
+  virtual void evict_beyond(const Eigen::Vector3d& centre, double radius) = 0;
+  /// Number of cells held; a measure of memory.
+  [[nodiscard]] virtual std::size_t num_cells() const = 0;
+};
+
+}  // namespace mmlins::spatial
