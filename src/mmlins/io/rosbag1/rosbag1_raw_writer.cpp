@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: MIT
+#include "mmlins/io/rosbag1/rosbag1_raw_writer.hpp"
+
+#include <console_bridge/console.h>
+#include <rosbag/bag.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <utility>
+
+namespace mmlins::io {
+namespace {
+
+/// A serialised message in the shape that the library's templates ask for.
+struct RawContent {
+  const MessageType* type;
+  const std::uint8_t* data;
+  std::size_t size;
+};
+
+}  // namespace
+}  // namespace mmlins::io
+
+namespace ros {
+namespace message_traits {
+template <>
+struct MD5Sum<mmlins::io::RawContent> {
+  static const char* value(const mmlins::io::RawContent& content) { return content.type->md5sum.c_str(); }
+};
+template <>
+struct DataType<mmlins::io::RawContent> {
+  static const char* value(const mmlins::io::RawContent& content) { return content.type->name.c_str(); }
+};
+template <>
+struct Definition<mmlins::io::RawContent> {
+  static const char* value(const mmlins::io::RawContent& content) { return content.type->definition.c_str(); }
+};
+}  // namespace message_traits
+
+namespace serialization {
+template <>
+struct Serializer<mmlins::io::RawContent> {
+  template <typename Stream>
+  static void write(Stream& stream, const mmlins::io::RawContent& content) {
+    if (content.size > 0) std::memcpy(stream.advance(content.size), content.data, content.size);
+  }
+  static std::uint32_t serializedLength(const mmlins::io::RawContent& content) {
+    return static_cast<std::uint32_t>(content.size);
+  }
+};
+}  // namespace serialization
+}  // namespace ros
+
+namespace mmlins::io {
+
+struct Rosbag1RawWriter::Impl {
+  std::string path;
+  std::string temporary_path;
+  rosbag::Bag bag;
+  bool is_open = false;
+
+  ~Impl() {
+    if (!is_open) return;
+    try {
+      bag.close();
+    } catch (const std::exception&) {  // the file is thrown away anyway
+    }
+    std::error_code ignored;
+    std::filesystem::remove(temporary_path, ignored);
+  }
+};
+
+Rosbag1RawWriter::Rosbag1RawWriter(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Rosbag1RawWriter::Rosbag1RawWriter(Rosbag1RawWriter&&) noexcept = default;
+Rosbag1RawWriter& Rosbag1RawWriter::operator=(Rosbag1RawWriter&&) noexcept = default;
+Rosbag1RawWriter::~Rosbag1RawWriter() = default;
+
+Result<Rosbag1RawWriter> Rosbag1RawWriter::create(const std::string& path) {
+  console_bridge::noOutputHandler();  // the library would print each error a second time
+  auto impl = std::make_unique<Impl>();
+  impl->path = path;
+  impl->temporary_path = path + ".part";
+  if (std::filesystem::is_directory(path)) {
+    return make_error(ErrorCode::kIo, "{}: is a folder; give a file name", path);
+  }
+  if (!std::ofstream(impl->temporary_path, std::ios::binary)) {
+    return make_error(ErrorCode::kIo, "{}: cannot be written: {}", path, std::strerror(errno));
+  }
+  try {
+    impl->bag.open(impl->temporary_path, rosbag::bagmode::Write);
+    impl->is_open = true;
+  } catch (const std::exception& exception) {
+    return make_error(ErrorCode::kIo, "{}: cannot be written: {}", path, exception.what());
+  }
+  return Rosbag1RawWriter(std::move(impl));
+}
+
+Status Rosbag1RawWriter::write(const std::string& topic, const MessageType& type, Time record_time,
+                               const std::uint8_t* data, std::size_t size) {
+  if (!impl_->is_open) return make_error(ErrorCode::kIo, "{}: is closed already", impl_->path);
+  const std::int64_t ns = to_ns(record_time);
+  if (ns <= 0 || ns / 1'000'000'000 > 0xffffffffLL) {
+    return make_error(ErrorCode::kInvalid, "{}: {}: record time {} ns does not fit into a bag (1970 to 2106)",
+                      impl_->path, topic, ns);
+  }
+  const ros::Time time(static_cast<std::uint32_t>(ns / 1'000'000'000), static_cast<std::uint32_t>(ns % 1'000'000'000));
+  try {
+    impl_->bag.write(topic, time, RawContent{&type, data, size});
+  } catch (const std::exception& exception) {
+    return make_error(ErrorCode::kIo, "{}: cannot be written: {}", impl_->path, exception.what());
+  }
+  return {};
+}
+
+Status Rosbag1RawWriter::close() {
+  if (!impl_->is_open) return make_error(ErrorCode::kIo, "{}: is closed already", impl_->path);
+  try {
+    impl_->bag.close();
+    std::filesystem::rename(impl_->temporary_path, impl_->path);
+  } catch (const std::exception& exception) {
+    return make_error(ErrorCode::kIo, "{}: cannot be completed: {}", impl_->path, exception.what());
+  }
+  impl_->is_open = false;
+  return {};
+}
+
+}  // namespace mmlins::io
