@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: MIT
+// Reading: the whole text is checked before the first field changes.
+#include "mmlins/config/yaml_config.hpp"
+
+#include <yaml-cpp/yaml.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+
+#include "mmlins/config/field_index.hpp"
+#include "mmlins/config/yaml_value.hpp"
+
+namespace mmlins::config {
+namespace {
+
+// A recording given by mistake must not be loaded as text.
+constexpr std::uintmax_t kLargestFile = 16U << 20U;  // [bytes]
+
+/// Walks a YAML tree along the fields and collects what to assign.
+class Reader {
+ public:
+  Reader(const Fields& fields, std::string source) : index_(index_fields(fields)), source_(std::move(source)) {}
+
+  Status read_group(const YAML::Node& node, const std::string& prefix) {
+    if (node.IsNull()) return {};  // all members left out
+    if (!node.IsMap()) {
+      const std::string what = prefix.empty() ? "the file" : prefix.substr(0, prefix.size() - 1);
+      return refuse(node, what + " must be a group of \"key: value\" lines");
+    }
+    for (const auto& entry : node) {
+      if (!entry.first.IsScalar()) return refuse(entry.first, "a key must be a plain word");
+      if (const Status status = read_entry(prefix + entry.first.Scalar(), entry.first, entry.second); !status) {
+        return status;
+      }
+    }
+    return {};
+  }
+
+  Status read_entry(const std::string& name, const YAML::Node& key, const YAML::Node& value) {
+    const Field* field = find_field(index_, name);
+    if (field == nullptr) return refuse(key, unknown_key(name));
+    const int line = key.Mark().line + 1;
+    if (const auto [earlier, is_new] = lines_.emplace(name, line); !is_new) {
+      return refuse(key, fmt::format("{} is given twice, first in line {}; remove one", name, earlier->second));
+    }
+    if (std::holds_alternative<Fields>(field->value)) return read_group(value, name + ".");
+    Result<Assignment> assignment = check_value(*field, value);
+    if (!assignment) {
+      return refuse(key, fmt::format("{} {}; accepted: {}", name, assignment.error().message, accepted_values(*field)));
+    }
+    assignments_.push_back(std::move(assignment).value());
+    return {};
+  }
+
+  void assign_all() const {
+    for (const Assignment& assign : assignments_) assign();
+  }
+
+ private:
+  std::string unknown_key(const std::string& name) const {
+    const std::string nearest = nearest_name(index_, name);
+    if (!nearest.empty()) return fmt::format("unknown key {}; did you mean {}?", name, nearest);
+    return fmt::format("unknown key {}; \"mmlins config\" lists all keys", name);
+  }
+
+  Error refuse(const YAML::Node& node, const std::string& what) const {
+    const int line = node.Mark().line;
+    if (line < 0) return make_error(ErrorCode::kInvalid, "{}: {}", source_, what);  // not from a file
+    return make_error(ErrorCode::kInvalid, "{}:{}: {}", source_, line + 1, what);
+  }
+
+  std::vector<NamedField> index_;
+  std::string source_;
+  std::map<std::string, int> lines_;  ///< where each key was seen
+  std::vector<Assignment> assignments_;
+};
+
+Result<YAML::Node> parse(const std::string& text, const std::string& source) {
+  if (text.find('\0') != std::string::npos) {
+    return make_error(ErrorCode::kInvalid, "{}:1: is no text file; give a YAML file of \"key: value\" lines", source);
+  }
+  try {
+    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+    if (documents.empty()) return YAML::Node();
+    if (documents.size() == 1) return documents.front();
+    return make_error(ErrorCode::kInvalid, "{}:{}: a second YAML document begins here; remove the \"---\"", source,
+                      std::max(0, documents[1].Mark().line) + 1);
+  } catch (const YAML::Exception& e) {
+    return make_error(ErrorCode::kInvalid, "{}:{}: not valid YAML: {}", source, std::max(0, e.mark.line) + 1, e.msg);
+  }
+}
+
+Result<std::string> read_text(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) {
+    return make_error(ErrorCode::kNotFound, "{}: no such file; check the path", path);
+  }
+  if (std::filesystem::is_directory(path, error)) {
+    return make_error(ErrorCode::kInvalid, "{}: is a folder; give a YAML file", path);
+  }
+  if (const auto size = std::filesystem::file_size(path, error); !error && size > kLargestFile) {
+    return make_error(ErrorCode::kInvalid, "{}: {} MB is too large for settings; give a YAML file", path, size >> 20U);
+  }
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return make_error(ErrorCode::kIo, "{}: cannot be opened; check its permissions", path);
+  std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (file.bad()) return make_error(ErrorCode::kIo, "{}: reading failed; check the disk", path);
+  return text;
+}
+
+}  // namespace
+
+Status apply_yaml(const Fields& fields, const std::string& yaml_text, const std::string& source) {
+  const Result<YAML::Node> root = parse(yaml_text, source);
+  if (!root) return root.error();
+  try {
+    Reader reader(fields, source);
+    if (const Status status = reader.read_group(*root, ""); !status) return status;
+    reader.assign_all();
+    return {};
+  } catch (const YAML::Exception& e) {
+    return make_error(ErrorCode::kInvalid, "{}:{}: {}", source, std::max(0, e.mark.line) + 1, e.msg);
+  }
+}
+
+Status apply_yaml_file(const Fields& fields, const std::string& path) {
+  const Result<std::string> text = read_text(path);
+  if (!text) return text.error();
+  return apply_yaml(fields, *text, path);
+}
+
+Status apply_override(const Fields& fields, const std::string& assignment) {
+  const std::size_t equals = assignment.find('=');
+  if (equals == 0 || equals == std::string::npos) {
+    return make_error(ErrorCode::kInvalid, "'{}': write a setting as key=value, for instance group.key=1", assignment);
+  }
+  const std::string source = "'" + assignment + "'";
+  const Result<YAML::Node> value = parse(assignment.substr(equals + 1), source);
+  if (!value) return value.error();
+  try {
+    Reader reader(fields, source);
+    const YAML::Node key(assignment.substr(0, equals));
+    if (const Status status = reader.read_entry(key.Scalar(), key, *value); !status) return status;
+    reader.assign_all();
+    return {};
+  } catch (const YAML::Exception& e) {
+    return make_error(ErrorCode::kInvalid, "{}: {}", source, e.msg);
+  }
+}
+
+}  // namespace mmlins::config
