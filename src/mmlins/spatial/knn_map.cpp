@@ -17,7 +17,7 @@ Fields KnnMapConfig::fields() {
 KnnMap::KnnMap(const KnnMapConfig& config, double range_noise)
     : config_(config), range_variance_(range_noise * range_noise), table_(config.cell) {}
 
-void KnnMap::insert(std::span<const Eigen::Vector3d> points) {
+void KnnMap::insert(std::span<const Eigen::Vector3d> points, const Eigen::Vector3d& /*viewpoint*/) {
   const double spacing2 = config_.min_spacing * config_.min_spacing;
   for (const Eigen::Vector3d& point : points) {
     Cell& cell = table_.payloads()[table_.find_or_add(table_.index_of(point))];

@@ -24,7 +24,7 @@ class KnnMap final : public LocalMap {
  public:
   KnnMap(const KnnMapConfig& config, double range_noise);
 
-  void insert(std::span<const Eigen::Vector3d> points) override;
+  void insert(std::span<const Eigen::Vector3d> points, const Eigen::Vector3d& viewpoint) override;
   [[nodiscard]] PlaneMatch match(const Eigen::Vector3d& point, double gate) const override;
   void evict_beyond(const Eigen::Vector3d& centre, double radius) override;
   [[nodiscard]] std::size_t num_cells() const override { return table_.payloads().size(); }

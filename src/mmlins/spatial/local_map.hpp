@@ -21,8 +21,8 @@ struct PlaneMatch {
 class LocalMap {
  public:
   virtual ~LocalMap() = default;
-  /// Adds points given in the frame of the map.
-  virtual void insert(std::span<const Eigen::Vector3d> points) = 0;
+  /// Adds points given in the frame of the map, seen from `viewpoint`.
+  virtual void insert(std::span<const Eigen::Vector3d> points, const Eigen::Vector3d& viewpoint) = 0;
   /// The plane that suits the point best, no farther than `gate` [m]. Safe to call from many threads.
   [[nodiscard]] virtual PlaneMatch match(const Eigen::Vector3d& point, double gate) const = 0;
   /// Forgets what lies farther than `radius` [m] from `centre`, perhaps a part at a time.

@@ -11,6 +11,8 @@ Fields PlaneMapConfig::fields() {
   return {
       field("finest_cell", finest_cell, "m", {0.05, 2.0}, "edge of the smallest cells; each level above doubles it"),
       field("num_levels", num_levels, "", {1.0, 6.0}, "number of grids"),
+      field("reach_in_cells", reach_in_cells, "", {10.0, 10000.0},
+            "a grid holds no cells farther from the sensor than this many of its edges: there they would stay too empty"),
       field("min_points", min_points, "", {4.0, 100.0}, "points that a cell needs before a plane is fitted"),
       field("max_points", max_points, "", {10.0, 10000.0}, "points after which a cell is left as it is"),
       field("max_thickness", max_thickness, "m", {0.001, 1.0}, "standard deviation across the plane that still counts as flat"),
@@ -21,18 +23,23 @@ Fields PlaneMapConfig::fields() {
   };
 }
 
+double PlaneMap::reach_of(const VoxelTable<Cell>& level) const { return config_.reach_in_cells * level.cell_size(); }
+
 PlaneMap::PlaneMap(const PlaneMapConfig& config, double range_noise)
     : config_(config), range_variance_(range_noise * range_noise) {
   double cell_size = config.finest_cell;
   for (int i = 0; i < config.num_levels; ++i, cell_size *= 2.0) levels_.emplace_back(cell_size);
 }
 
-void PlaneMap::insert(std::span<const Eigen::Vector3d> points) {
+void PlaneMap::insert(std::span<const Eigen::Vector3d> points, const Eigen::Vector3d& viewpoint) {
   // Levels share nothing, so each may have its own thread.
   parallel::for_each_chunk(levels_.size(), [&](std::size_t i) {
     VoxelTable<Cell>& level = levels_[i];
     std::vector<std::uint32_t> grown;
-    for (const Eigen::Vector3d& point : points) add_point(level, point, grown);
+    const double reach = reach_of(level);
+    for (const Eigen::Vector3d& point : points) {
+      if ((point - viewpoint).squaredNorm() < reach * reach) add_point(level, point, grown);
+    }
     for (const std::uint32_t id : grown) fit_plane(level.payloads()[id]);
   });
 }
@@ -108,8 +115,9 @@ void PlaneMap::evict_beyond(const Eigen::Vector3d& centre, double radius) {
   // One level per call spreads the work over several scans.
   VoxelTable<Cell>& level = levels_[next_level_to_evict_];
   next_level_to_evict_ = (next_level_to_evict_ + 1) % levels_.size();
+  const double reach = std::min(radius, reach_of(level));
   level.keep_if([&](const CellIndex& index, const Cell&) {
-    return (level.centre_of(index) - centre).squaredNorm() < radius * radius;
+    return (level.centre_of(index) - centre).squaredNorm() < reach * reach;
   });
 }
 

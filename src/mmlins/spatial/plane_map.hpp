@@ -16,6 +16,7 @@ namespace mmlins::spatial {
 struct PlaneMapConfig {
   double finest_cell = 0.25;
   int num_levels = 4;
+  double reach_in_cells = 120.0;
   int min_points = 6;
   int max_points = 200;
   double max_thickness = 0.06;
@@ -30,7 +31,7 @@ class PlaneMap final : public LocalMap {
   /// @param range_noise  standard deviation of one measured range [m]
   PlaneMap(const PlaneMapConfig& config, double range_noise);
 
-  void insert(std::span<const Eigen::Vector3d> points) override;
+  void insert(std::span<const Eigen::Vector3d> points, const Eigen::Vector3d& viewpoint) override;
   [[nodiscard]] PlaneMatch match(const Eigen::Vector3d& point, double gate) const override;
   void evict_beyond(const Eigen::Vector3d& centre, double radius) override;
   [[nodiscard]] std::size_t num_cells() const override;
@@ -50,6 +51,8 @@ class PlaneMap final : public LocalMap {
     Eigen::Vector3f spread = Eigen::Vector3f::Zero();   ///< variances, smallest first [m^2]
   };
 
+  /// Distance from the sensor up to which a level is kept [m].
+  [[nodiscard]] double reach_of(const VoxelTable<Cell>& level) const;
   void add_point(VoxelTable<Cell>& level, const Eigen::Vector3d& point, std::vector<std::uint32_t>& grown);
   void fit_plane(Cell& cell) const;
   /// The match that one cell offers; not found if the point is beyond the gate.

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+// Point-to-plane residuals of a straightened scan against the local map, with a variance for each.
+// docs/math/eskf.md, section 4.
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "mmlins/filter/iterated_update.hpp"
+#include "mmlins/odometry/odometry_config.hpp"
+#include "mmlins/spatial/local_map.hpp"
+
+namespace mmlins::odometry {
+
+/// What the noise of one beam depends on.
+struct BeamNoise {
+  double bearing = 0.0;                                    ///< standard deviation of a beam's direction [rad]
+  Eigen::Vector3d p_imu_lidar = Eigen::Vector3d::Zero();   ///< where the beams come from [m]
+};
+
+class LidarMeasurement {
+ public:
+  /// @param keypoints_imu  points in the IMU frame; map and points must outlive the measurement
+  LidarMeasurement(const std::vector<Eigen::Vector3f>& keypoints_imu, const spatial::LocalMap& map,
+                   const MatchingConfig& config, const BeamNoise& noise);
+
+  /// Matches every keypoint from `state` and linearises. Eqs. (15)-(19).
+  [[nodiscard]] filter::PoseInformation linearise(const imu::NavState& state, const imu::ErrorMatrix& P, int iteration);
+
+  /// Root mean square of the residuals at the last linearisation [m].
+  [[nodiscard]] double residual_rms() const { return residual_rms_; }
+
+ private:
+  /// Residuals that share a plane share its error, so the plane's information must be capped. Eq. (18).
+  void count_sharers();
+
+  const std::vector<Eigen::Vector3f>& keypoints_imu_;
+  const spatial::LocalMap& map_;
+  MatchingConfig config_;
+  BeamNoise noise_;
+  std::vector<spatial::PlaneMatch> matches_;
+  std::vector<int> sharers_;   ///< per match: how many residuals use the same plane
+  double residual_rms_ = 0.0;
+};
+
+}  // namespace mmlins::odometry

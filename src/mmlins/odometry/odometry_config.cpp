@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+#include "mmlins/odometry/odometry_config.hpp"
+
+namespace mmlins::odometry {
+
+Fields ImuModelConfig::fields() {
+  return {
+      field("gyro_noise_factor", gyro_noise_factor, "", {0.1, 100.0},
+            "the rig's gyro noise times this: room for vibration, scale errors and interpolation"),
+      field("accel_noise_factor", accel_noise_factor, "", {0.1, 100.0}, "the same for the accelerometer"),
+      field("bias_walk_factor", bias_walk_factor, "", {0.1, 100.0}, "the same for the walk of both biases"),
+      field("max_gap", max_gap, "s", {0.001, 10.0}, "a longer step between IMU samples is a gap, and reported as one"),
+  };
+}
+
+Fields ScanConfig::fields() {
+  return {
+      field("target_keypoints", target_keypoints, "", {100.0, 100000.0},
+            "points per scan to match; the leaf of the grid that thins the scan follows it"),
+      field("min_leaf", min_leaf, "m", {0.01, 5.0}, "smallest edge of that grid"),
+      field("max_leaf", max_leaf, "m", {0.01, 5.0}, "largest edge of that grid"),
+      field("map_leaf_share", map_leaf_share, "", {0.1, 1.0},
+            "leaf for the points that enter the map, as a share of the leaf for matching"),
+  };
+}
+
+Fields MatchingConfig::fields() {
+  return {
+      field("max_iterations", max_iterations, "", {1.0, 50.0}, "iterations of the filter update per scan"),
+      field("min_matches", min_matches, "", {6.0, 10000.0}, "with fewer matches the scan is not used: the IMU carries the pose"),
+      field("gate_sigmas", gate_sigmas, "", {1.0, 20.0},
+            "a residual beyond this many standard deviations, predicted from noise, map and state, is no match"),
+      field("huber_sigmas", huber_sigmas, "", {0.5, 20.0}, "residuals beyond this many standard deviations count linearly"),
+  };
+}
+
+Fields LocalMapConfig::fields() {
+  return {
+      field("kind", kind, {"planes", "knn"},
+            "planes: cached planes in a pyramid of grids; knn: five nearest neighbours, the baseline of the field"),
+      field("radius", radius, "m", {5.0, 2000.0}, "what lies farther from the sensor is forgotten"),
+      field("insert_distance", insert_distance, "m", {0.0, 10.0}, "a scan enters the map after this much travel"),
+      field("insert_angle_deg", insert_angle_deg, "deg", {0.0, 180.0}, "or after turning by this angle"),
+      field("initial_insertions", initial_insertions, "", {1.0, 1000.0}, "the first scans enter the map in any case"),
+      group("planes", planes, "the map of planes"),
+      group("knn", knn, "the map of points"),
+  };
+}
+
+Fields StartConfig::fields() {
+  return {
+      field("rest_window", rest_window, "s", {0.1, 60.0}, "time to look at before starting from rest"),
+      field("motion_window", motion_window, "s", {0.3, 60.0}, "time to look at before starting in motion"),
+      field("rest_gyro_deviation", rest_gyro_deviation, "rad/s", {0.0, 10.0}, "a quieter gyroscope may mean rest"),
+      field("rest_accel_deviation", rest_accel_deviation, "m/s^2", {0.0, 10.0}, "a quieter accelerometer may mean rest"),
+      field("rest_speed", rest_speed, "m/s", {0.0, 10.0}, "and the scans must agree that nothing moves faster than this"),
+      field("motion_accel", motion_accel, "m/s^2", {0.01, 20.0},
+            "standard deviation of the mean acceleration over the window, when started in motion"),
+      field("motion_speed", motion_speed, "m/s", {0.1, 100.0}, "standard deviation of the unknown speed at the start"),
+      field("gyro_bias", gyro_bias, "rad/s", {1e-6, 1.0}, "standard deviation of the unknown gyro bias"),
+      field("accel_bias", accel_bias, "m/s^2", {1e-6, 5.0}, "standard deviation of the unknown accelerometer bias"),
+      field("max_passes", max_passes, "", {1.0, 20.0}, "times to go over the window until the speed at its start has settled"),
+  };
+}
+
+Fields OdometryConfig::fields() {
+  return {
+      group("imu", imu, "how much the IMU is trusted"),
+      group("scan", scan, "preparation of a scan"),
+      group("matching", matching, "matching of a scan against the map"),
+      group("map", map, "the local map that scans are matched against"),
+      group("start", start, "the first seconds"),
+  };
+}
+
+}  // namespace mmlins::odometry

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+// All parameters of the odometry, and their only defaults.
+
+#include "mmlins/base/config_fields.hpp"
+#include "mmlins/spatial/knn_map.hpp"
+#include "mmlins/spatial/plane_map.hpp"
+
+namespace mmlins::odometry {
+
+enum class MapKind { kPlanes, kKnn };
+
+struct ImuModelConfig {
+  double gyro_noise_factor = 3.0;
+  double accel_noise_factor = 3.0;
+  double bias_walk_factor = 1.0;
+  double max_gap = 0.1;
+
+  [[nodiscard]] Fields fields();
+};
+
+struct ScanConfig {
+  int target_keypoints = 2000;
+  double min_leaf = 0.1;
+  double max_leaf = 1.0;
+  double map_leaf_share = 0.5;
+
+  [[nodiscard]] Fields fields();
+};
+
+struct MatchingConfig {
+  int max_iterations = 5;
+  int min_matches = 50;
+  double gate_sigmas = 3.0;
+  double huber_sigmas = 1.5;
+
+  [[nodiscard]] Fields fields();
+};
+
+struct LocalMapConfig {
+  MapKind kind = MapKind::kPlanes;
+  double radius = 150.0;
+  double insert_distance = 0.1;
+  double insert_angle_deg = 2.0;
+  int initial_insertions = 3;
+  spatial::PlaneMapConfig planes;
+  spatial::KnnMapConfig knn;
+
+  [[nodiscard]] Fields fields();
+};
+
+struct StartConfig {
+  double rest_window = 1.0;
+  double motion_window = 2.0;
+  double rest_gyro_deviation = 0.02;
+  double rest_accel_deviation = 0.2;
+  double rest_speed = 0.1;
+  double motion_accel = 1.5;
+  double motion_speed = 15.0;
+  double gyro_bias = 0.01;
+  double accel_bias = 0.05;
+  int max_passes = 4;
+
+  [[nodiscard]] Fields fields();
+};
+
+struct OdometryConfig {
+  ImuModelConfig imu;
+  ScanConfig scan;
+  MatchingConfig matching;
+  LocalMapConfig map;
+  StartConfig start;
+
+  [[nodiscard]] Fields fields();
+};
+
+}  // namespace mmlins::odometry

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+// What the odometry says about one scan.
+
+#include <memory>
+#include <string_view>
+
+#include "mmlins/imu/propagation.hpp"
+#include "mmlins/lidar/deskew.hpp"
+#include "mmlins/sensor/lidar_scan.hpp"
+
+namespace mmlins::odometry {
+
+enum class TrackingState {
+  kInitializing,  ///< part of the window from which the start was found
+  kTracking,      ///< matched against the map
+  kBridging,      ///< not matched: the IMU alone carried the pose here
+};
+
+enum class Cause {
+  kNone,
+  kNoPoints,        ///< the scan is empty within the range gate
+  kTooFewMatches,   ///< there are points, but the map does not explain them
+  kImuGap,          ///< matched, but the IMU was silent for part of the way
+};
+
+[[nodiscard]] std::string_view to_string(TrackingState state);
+[[nodiscard]] std::string_view to_string(Cause cause);
+
+/// Milliseconds spent on one scan.
+struct StageTimes {
+  double propagate = 0.0;
+  double deskew = 0.0;
+  double downsample = 0.0;
+  double update = 0.0;
+  double insert = 0.0;
+
+  [[nodiscard]] double total() const { return propagate + deskew + downsample + update + insert; }
+};
+
+struct ScanResult {
+  Time time;                 ///< end of the scan; the pose is the one at this time
+  imu::Estimate estimate;    ///< T_odom_imu, velocity, biases, and their covariance
+  TrackingState state = TrackingState::kInitializing;
+  Cause cause = Cause::kNone;
+  int num_points = 0;        ///< within the range gate
+  int num_keypoints = 0;     ///< left to match after thinning
+  int num_matches = 0;
+  int iterations = 0;
+  double residual_rms = 0.0;             ///< of the matches, point to plane [m]
+  std::shared_ptr<const sensor::LidarScan> scan;
+  std::shared_ptr<const lidar::Cloud> cloud_imu;  ///< straightened scan in the IMU frame at `time`
+  StageTimes times;
+};
+
+}  // namespace mmlins::odometry

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: MIT
+#include "mmlins/odometry/startup.hpp"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+#include "mmlins/base/check.hpp"
+
+namespace mmlins::odometry {
+namespace {
+
+using imu::ErrorMatrix;
+using imu::Estimate;
+using imu::NavState;
+using math::Matrix3d;
+using math::Vector3d;
+
+// The heading and place of the first pose define the frame: their errors are nil by choice [rad], [m].
+constexpr double kDefinedByFrame = 1e-5;
+// With this speed change between passes, straightening a scan of 0.1 s changes by 2 mm [m/s].
+constexpr double kSettledSpeed = 0.02;
+constexpr double kRestSpeedDeviation = 0.02;      // [m/s]
+constexpr double kSecondPassSpeedDeviation = 1.0; // [m/s]
+constexpr double kRestGyroDeviation = 1e-3;       // of the mean over the window [rad/s]
+constexpr double kRestAccelDeviation = 0.02;      // of the mean over the window [m/s^2]
+
+struct Deviation {
+  Vector3d mean = Vector3d::Zero();
+  double largest = 0.0;
+};
+
+template <typename Reading>
+Deviation deviation_of(const sensor::ImuSamples& samples, const Reading& reading) {
+  Deviation result;
+  for (const auto& sample : samples) result.mean += reading(sample) / static_cast<double>(samples.size());
+  Vector3d variance = Vector3d::Zero();
+  for (const auto& sample : samples) {
+    variance += (reading(sample) - result.mean).cwiseAbs2() / static_cast<double>(samples.size());
+  }
+  result.largest = std::sqrt(variance.maxCoeff());
+  return result;
+}
+
+Vector3d gyro_of(const sensor::ImuSample& sample) { return sample.gyro; }
+Vector3d accel_of(const sensor::ImuSample& sample) { return sample.accel; }
+
+/// Mean specific force over the window, in the IMU frame of its first sample.
+Vector3d mean_force_at_start(const sensor::ImuSamples& samples) {
+  Matrix3d R_first_now = Matrix3d::Identity();
+  Vector3d sum = Vector3d::Zero();
+  for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
+    const double dt = to_seconds(samples[i + 1].time - samples[i].time);
+    sum += R_first_now * samples[i].accel * dt;
+    R_first_now = R_first_now * math::so3_exp(0.5 * (samples[i].gyro + samples[i + 1].gyro) * dt);
+  }
+  const double duration = to_seconds(samples.back().time - samples.front().time);
+  return duration > 0.0 ? Vector3d(sum / duration) : samples.front().accel;
+}
+
+/// Turns the frame so that gravity points along -z and the heading is zero; the physics stays as it was.
+NavState levelled(NavState state) {
+  const Vector3d up_imu = state.R_odom_imu.transpose() * -state.gravity_odom.normalized();
+  const Matrix3d R_level = Eigen::Quaterniond::FromTwoVectors(up_imu, Vector3d::UnitZ()).toRotationMatrix();
+  const double heading = std::atan2(R_level(1, 0), R_level(0, 0));
+  const Matrix3d R_new = Eigen::AngleAxisd(-heading, Vector3d::UnitZ()).toRotationMatrix() * R_level;
+  state.v_odom = R_new * state.R_odom_imu.transpose() * state.v_odom;
+  state.R_odom_imu = R_new;
+  state.p_odom.setZero();
+  state.gravity_odom = Vector3d(0.0, 0.0, -imu::kGravity);
+  return state;
+}
+
+/// How wide the prior is, before the IMU's mean force ties gravity to the accelerometer's bias.
+struct PriorWidth {
+  double speed;
+  double gyro_bias;
+  double accel_bias;
+  double force;  ///< of the mean specific force as a measurement of gravity [m/s^2]
+};
+
+ErrorMatrix prior_covariance(const NavState& state, const PriorWidth& width) {
+  imu::ErrorVector sigma;
+  sigma << Vector3d::Constant(kDefinedByFrame), Vector3d::Constant(kDefinedByFrame), Vector3d::Constant(width.speed),
+      Vector3d::Constant(width.gyro_bias), Vector3d::Constant(width.accel_bias), Eigen::Vector2d::Constant(0.5);
+  const ErrorMatrix P = sigma.cwiseAbs2().asDiagonal();
+  // The mean force f = accel bias - R^T gravity: gravity and bias become as correlated as they are.
+  Eigen::Matrix<double, 3, imu::kErrorSize> H = Eigen::Matrix<double, 3, imu::kErrorSize>::Zero();
+  H.block<3, 3>(0, imu::kAccelBias).setIdentity();
+  H.block<3, 2>(0, imu::kGravityDirection) =
+      -state.R_odom_imu.transpose() * math::sphere_plus_jacobian(state.gravity_odom);
+  const Matrix3d S = H * P * H.transpose() + width.force * width.force * Matrix3d::Identity();
+  const Eigen::Matrix<double, imu::kErrorSize, 3> PHt = P * H.transpose();
+  return P - PHt * S.inverse() * PHt.transpose();
+}
+
+PriorWidth prior_width(const StartConfig& config, bool at_rest) {
+  if (at_rest) return {kRestSpeedDeviation, kRestGyroDeviation, config.accel_bias, kRestAccelDeviation};
+  return {config.motion_speed, config.gyro_bias, config.accel_bias, config.motion_accel};
+}
+
+Start run_window(const OdometryConfig& config, const sensor::Rig& rig, const std::vector<ScanPointer>& scans,
+                 const sensor::ImuBuffer& imu, const Estimate& prior) {
+  Start start;
+  start.tracker = std::make_unique<ScanTracker>(config, rig, prior);
+  for (const ScanPointer& scan : scans) start.results.push_back(start.tracker->track(scan, imu));
+  return start;
+}
+
+/// Speed at the end of the window, and how far the robot came, say that it never moved.
+bool scans_say_rest(const Start& start, const StartConfig& config, double window) {
+  const NavState& end = start.tracker->estimate().state;
+  return end.v_odom.norm() < config.rest_speed && end.p_odom.norm() < config.rest_speed * window;
+}
+
+}  // namespace
+
+bool imu_is_quiet(const sensor::ImuSamples& samples, const StartConfig& config) {
+  if (samples.size() < 10) return false;
+  const Deviation gyro = deviation_of(samples, gyro_of);
+  const Deviation accel = deviation_of(samples, accel_of);
+  return gyro.largest < config.rest_gyro_deviation && gyro.mean.norm() < 5.0 * config.gyro_bias &&
+         accel.largest < config.rest_accel_deviation;
+}
+
+Estimate start_prior(const sensor::ImuSamples& samples, const StartConfig& config, bool at_rest) {
+  MMLINS_CHECK(!samples.empty());
+  NavState state;
+  state.time = samples.front().time;
+  const Vector3d force = at_rest ? deviation_of(samples, accel_of).mean : mean_force_at_start(samples);
+  if (at_rest) state.gyro_bias = deviation_of(samples, gyro_of).mean;
+  state.gravity_odom = force.norm() > 0.0 ? Vector3d(-force.normalized() * imu::kGravity) : state.gravity_odom;
+  state = levelled(state);
+  return {state, prior_covariance(state, prior_width(config, at_rest))};
+}
+
+std::unique_ptr<Start> find_start(const OdometryConfig& config, const sensor::Rig& rig,
+                                  const std::vector<ScanPointer>& scans, const sensor::ImuBuffer& imu) {
+  const sensor::ImuSamples samples = imu.covering(scans.front()->start_time, scans.back()->end_time);
+  const double window = to_seconds(samples.back().time - samples.front().time);
+  const bool quiet = imu_is_quiet(samples, config.start);
+  if (!quiet && window < config.start.motion_window) return nullptr;
+
+  Estimate prior = start_prior(samples, config.start, false);
+  if (quiet) {
+    const Start trial = run_window(config, rig, scans, imu, prior);
+    if (scans_say_rest(trial, config.start, window)) {
+      auto start = std::make_unique<Start>(run_window(config, rig, scans, imu, start_prior(samples, config.start, true)));
+      start->at_rest = true;
+      start->passes = 1;
+      return start;
+    }
+    if (window < config.start.motion_window) return nullptr;
+  }
+
+  auto start = std::make_unique<Start>();
+  for (int pass = 1; pass <= config.start.max_passes; ++pass) {
+    *start = run_window(config, rig, scans, imu, prior);
+    start->passes = pass;
+    const NavState at_begin = levelled(imu::integrate_backwards(start->tracker->estimate().state, samples));
+    const double change = (at_begin.v_odom - prior.state.v_odom).norm();
+    if (change < kSettledSpeed) break;
+    // The next pass starts from better values; its prior stays wide, for the same scans speak again.
+    PriorWidth width = prior_width(config.start, false);
+    width.speed = kSecondPassSpeedDeviation;
+    prior = {at_begin, prior_covariance(at_begin, width)};
+  }
+  return start;
+}
+
+}  // namespace mmlins::odometry

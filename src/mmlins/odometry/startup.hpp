@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+// Where the odometry begins: finds attitude, velocity and biases from the first second or two, at rest
+// or in motion, by running the odometry over that window again and again until the speed at its start
+// has settled. docs/math/eskf.md, section 5.
+
+#include <memory>
+#include <vector>
+
+#include "mmlins/odometry/scan_tracker.hpp"
+
+namespace mmlins::odometry {
+
+using ScanPointer = std::shared_ptr<const sensor::LidarScan>;
+
+/// A tracker that has been through the window, and what it said about each scan of it.
+struct Start {
+  std::unique_ptr<ScanTracker> tracker;
+  std::vector<ScanResult> results;
+  bool at_rest = false;
+  int passes = 0;
+};
+
+/// Whether the IMU alone would allow that the robot stands still between two times.
+[[nodiscard]] bool imu_is_quiet(const sensor::ImuSamples& samples, const StartConfig& config);
+
+/// The prior at the first sample, with attitude level and heading zero. Eqs. (20)-(22).
+/// @param at_rest  take the robot to stand still throughout `samples`
+[[nodiscard]] imu::Estimate start_prior(const sensor::ImuSamples& samples, const StartConfig& config, bool at_rest);
+
+/// Finds the start. Nothing if the robot looked at rest but the scans say that it moves, and the window is too
+/// short for a start in motion.
+/// @param scans  in order of time, none empty of time; at least one
+/// @param imu    must reach over all of them
+[[nodiscard]] std::unique_ptr<Start> find_start(const OdometryConfig& config, const sensor::Rig& rig,
+                                                const std::vector<ScanPointer>& scans, const sensor::ImuBuffer& imu);
+
+}  // namespace mmlins::odometry
