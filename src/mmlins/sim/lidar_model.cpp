@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+#include "mmlins/sim/lidar_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "mmlins/base/parallel.hpp"
+#include "mmlins/sim/lidar_tables.hpp"
+#include "mmlins/sim/random.hpp"
+
+namespace mmlins::sim {
+
+namespace {
+
+using math::SE3;
+using math::Vector3d;
+
+constexpr std::size_t kGrain = 512;  // beams per piece of parallel work
+// A pose is computed afresh at least this often and carried on with velocity, acceleration and angular rate
+// in between: what is left out, angular acceleration * t^2 / 2, stays below 1e-7 rad for 50 rad/s^2.
+constexpr Duration kPoseInterval{60'000};
+// A surface of this reflectivity, hit squarely, is always seen up to this share of the maximum range.
+constexpr double kSureReflectivity = 0.1;
+constexpr double kSureRangeShare = 0.4;
+constexpr float kFullIntensity = 255.0F;
+
+SE3 carried_on(const Kinematics& at, double dt) {
+  return {at.T_world_imu.R * math::so3_exp(at.angular_rate_imu * dt),
+          at.T_world_imu.t + dt * at.velocity_world + (0.5 * dt * dt) * at.acceleration_world};
+}
+
+}  // namespace
+
+LidarModel::LidarModel(const LidarConfig& config, std::uint64_t seed)
+    : config_(config), seed_(seed), T_imu_lidar_(config.T_imu_lidar()), pattern_(make_pattern(config, seed)) {}
+
+Duration LidarModel::period() const { return from_seconds(1.0 / config_.rate_hz); }
+
+SimulatedScan LidarModel::scan(const World& world, const Motion& motion, Duration begin, Duration end) const {
+  const std::vector<Beam> beams = pattern_->beams(begin, end);
+  const std::vector<Return> returns = shoot(world, motion, beams);
+  SimulatedScan result;
+  sensor::LidarScan& scan = result.scan;
+  Duration first = begin;
+  Duration last = begin;
+  for (std::size_t i = 0; i < beams.size(); ++i) {
+    if (returns[i].surface < 0) continue;
+    if (scan.points.empty()) first = beams[i].time;
+    last = beams[i].time;
+    scan.points.push_back(returns[i].point);
+    scan.offsets.push_back(static_cast<float>(to_seconds(last - first)));
+    scan.intensities.push_back(returns[i].intensity);
+    scan.rings.push_back(beams[i].ring);
+    result.truth.ranges.push_back(returns[i].range);
+    result.truth.surfaces.push_back(returns[i].surface);
+  }
+  scan.start_time = Time(first);
+  scan.end_time = Time(last);
+  return result;
+}
+
+std::vector<LidarModel::Return> LidarModel::shoot(const World& world, const Motion& motion,
+                                                  const std::vector<Beam>& beams) const {
+  std::vector<Return> returns(beams.size());
+  parallel::for_ranges(beams.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    Duration anchor_time{};
+    Kinematics anchor;
+    for (std::size_t i = begin; i < end; ++i) {
+      if (i == begin || beams[i].time - anchor_time > kPoseInterval / 2) {
+        anchor_time = beams[i].time + (i == begin ? Duration{0} : kPoseInterval / 2);
+        anchor = motion.at(to_seconds(anchor_time));
+      }
+      const SE3 T_world_lidar = carried_on(anchor, to_seconds(beams[i].time - anchor_time)) * T_imu_lidar_;
+      returns[i] = measure(world, {T_world_lidar.t, T_world_lidar.R * beams[i].direction}, beams[i]);
+    }
+  });
+  return returns;
+}
+
+LidarModel::Return LidarModel::measure(const World& world, const Ray& ray, const Beam& beam) const {
+  const double farthest = config_.farthest();
+  const auto hit = world.cast(ray, farthest);
+  if (!hit) return {};
+  // Every shot has random numbers of its own: no result depends on which thread does what.
+  Random random(sub_seed(seed_, static_cast<std::uint64_t>(beam.time.count()) * 128 + beam.ring));
+  const double cos_incidence = -hit->normal.dot(ray.direction);
+  if (cos_incidence < std::cos(config_.max_incidence_deg * std::numbers::pi / 180.0)) return {};
+  const double sure_range = kSureRangeShare * farthest / hit->range;
+  const double strength = hit->reflectivity * cos_incidence / kSureReflectivity * sure_range * sure_range;
+  const bool dropped = random.chance(config_.dropout) || random.uniform() > config_.point_share;
+  const bool too_weak = random.uniform() > strength;
+  const double range = hit->range + config_.range_noise * random.normal();
+  if (dropped || too_weak || range < config_.nearest() || range > farthest) return {};
+  return {(range * beam.direction).cast<float>(), static_cast<float>(hit->range),
+          kFullIntensity * static_cast<float>(hit->reflectivity * cos_incidence), hit->surface};
+}
+
+}  // namespace mmlins::sim

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: MIT
+#include "mmlins/sim/simulation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mmlins/sim/random.hpp"
+
+namespace mmlins::sim {
+
+namespace {
+
+constexpr Time kStart = time_from_ns(1'700'000'000'000'000'000);
+constexpr Duration kFirstScan{53'000'000};  // the LiDAR does not wake up together with the IMU
+constexpr double kPathStep = 0.1;           // between the places that loose objects leave free [s]
+
+enum RandomPart : std::uint64_t { kImu, kLidar };
+
+std::uint64_t part_seed(const SimulationConfig& config, RandomPart part) {
+  return sub_seed(static_cast<std::uint64_t>(config.seed), part);
+}
+
+// Where the carrier passes, thinned to places at least a little apart.
+Polygon places_passed(const Motion& motion, double duration) {
+  constexpr double kApart = 0.15;  // [m]
+  constexpr std::size_t kMostPlaces = 20'000;
+  Polygon places;
+  for (double t = 0.0; t < duration && places.size() < kMostPlaces; t += kPathStep) {
+    const Eigen::Vector2d place = motion.at(t).T_world_imu.t.head<2>();
+    if (places.empty() || (place - places.back()).norm() > kApart) places.push_back(place);
+  }
+  return places;
+}
+
+}  // namespace
+
+Fields SimulationConfig::fields() {
+  return {
+      field("duration", duration, "s", {1.0, 36000.0}, "length of the recording"),
+      field("seed", seed, "", {0, 1e9}, "of all noise; the world has a seed of its own"),
+      group("world", world, "the place"),
+      group("sensor", sensor, "the LiDAR and where it sits"),
+      group("imu", imu, "the inertial sensor"),
+      group("trajectory", trajectory, "how the carrier moves"),
+  };
+}
+
+Status validate(const SimulationConfig& config, const std::string& source) {
+  sensor::Rig rig;
+  rig.p_imu_lidar = config.sensor.p_imu_lidar;
+  rig.q_imu_lidar_xyzw = config.sensor.q_imu_lidar_xyzw;
+  rig.min_range = config.sensor.nearest();
+  rig.max_range = config.sensor.farthest();
+  if (const Status status = sensor::validate(rig, source + ": sensor"); !status) return status;
+  if (!config.trajectory.start_in_motion && config.trajectory.stand_still >= config.duration) {
+    return make_error(ErrorCode::kInvalid,
+                      "{}: trajectory.stand_still ({} s) must be shorter than duration ({} s), or nothing moves", source,
+                      config.trajectory.stand_still, config.duration);
+  }
+  return {};
+}
+
+Simulation::Simulation(const SimulationConfig& config)
+    : config_(config),
+      T_world_scene_(config.world.T_world_scene()),
+      motion_(make_motion(config.trajectory, scene_route(config.world))),
+      world_(make_world(config.world, places_passed(*motion_, config.duration))),
+      imu_(config.imu, part_seed(config, kImu), from_seconds(config.duration)),
+      lidar_(config.sensor, part_seed(config, kLidar)) {}
+
+Result<sensor::Item> Simulation::next() {
+  const Duration length = from_seconds(config_.duration);
+  const Duration scan_end = scan_begin(next_scan_ + 1);
+  const Duration scan_recorded = scan_end + from_seconds(config_.sensor.latency);
+  const Duration imu_time = imu_.sample_time(next_imu_);
+  if (imu_time <= std::min(length, scan_recorded)) {
+    sensor::ImuSample sample = imu_.sample(*motion_, next_imu_++);
+    sample.time = record_time_ = kStart + imu_time;
+    return sensor::Item(sample);
+  }
+  if (scan_recorded > length) return sensor::Item(sensor::EndOfData{});
+  record_time_ = kStart + scan_recorded;
+  return sensor::Item(make_scan());
+}
+
+sensor::LidarScan Simulation::make_scan() {
+  SimulatedScan made = lidar_.scan(*world_, *motion_, scan_begin(next_scan_), scan_begin(next_scan_ + 1));
+  ++next_scan_;
+  made.scan.start_time = kStart + made.scan.start_time.time_since_epoch();
+  made.scan.end_time = kStart + made.scan.end_time.time_since_epoch();
+  scan_truth_ = std::move(made.truth);
+  return std::move(made.scan);
+}
+
+Duration Simulation::scan_begin(std::int64_t index) const { return kFirstScan + index * lidar_.period(); }
+
+double Simulation::progress() const {
+  return std::clamp(to_seconds(record_time_ - kStart) / config_.duration, 0.0, 1.0);
+}
+
+Time Simulation::start_time() const { return kStart; }
+Time Simulation::end_time() const { return kStart + from_seconds(config_.duration); }
+
+Kinematics Simulation::kinematics(Time time) const {
+  return transformed(T_world_scene_, motion_->at(to_seconds(time - kStart)));
+}
+math::SE3 Simulation::T_world_imu(Time time) const { return kinematics(time).T_world_imu; }
+math::Vector3d Simulation::velocity_world(Time time) const { return kinematics(time).velocity_world; }
+math::Vector3d Simulation::acceleration_world(Time time) const { return kinematics(time).acceleration_world; }
+math::Vector3d Simulation::angular_rate_imu(Time time) const { return kinematics(time).angular_rate_imu; }
+ImuBias Simulation::bias(Time time) const { return imu_.bias_at(time - kStart); }
+
+math::Trajectory Simulation::truth(double rate_hz) const {
+  math::Trajectory truth;
+  const auto count = static_cast<std::int64_t>(std::floor(config_.duration * rate_hz + 1e-9));
+  for (std::int64_t i = 0; i <= count; ++i) {
+    const Time time = kStart + from_seconds(static_cast<double>(i) / rate_hz);
+    truth.push_back({time, T_world_imu(time)});
+  }
+  return truth;
+}
+
+double Simulation::distance_to_surface(const math::Vector3d& p_world, int surface) const {
+  return world_->distance(T_world_scene_.inverse() * p_world, surface);
+}
+
+sensor::Rig Simulation::rig() const {
+  sensor::Rig rig;
+  rig.lidar_model = config_.sensor.model_name();
+  rig.lidar_topic = "/points";
+  rig.imu_topic = "/imu/data";
+  rig.p_imu_lidar = config_.sensor.p_imu_lidar;
+  rig.q_imu_lidar_xyzw = config_.sensor.q_imu_lidar_xyzw;
+  rig.imu_rate_hz = config_.imu.rate_hz;
+  rig.gyro_noise_density = config_.imu.gyro_noise_density;
+  rig.accel_noise_density = config_.imu.accel_noise_density;
+  rig.gyro_bias_walk = config_.imu.gyro_bias_walk;
+  rig.accel_bias_walk = config_.imu.accel_bias_walk;
+  rig.min_range = config_.sensor.nearest();
+  rig.max_range = config_.sensor.farthest();
+  rig.range_noise = std::max(1e-3, config_.sensor.range_noise);
+  return rig;
+}
+
+}  // namespace mmlins::sim

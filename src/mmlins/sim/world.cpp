@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+#include "mmlins/sim/world.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "mmlins/sim/random.hpp"
+#include "mmlins/sim/scenes.hpp"
+
+namespace mmlins::sim {
+
+namespace {
+
+constexpr int kGround = 0;  // surface number; those of shapes follow
+constexpr double kGroundReflectivity = 0.25;
+// Of the search for the uneven surface next to the even one.
+constexpr int kMaxSteps = 6;
+constexpr double kPrecision = 1e-6;  // [m]
+constexpr double kMinSlope = 0.02;   // rays more grazing than this see no defined surface
+
+}  // namespace
+
+ShapeWorld::ShapeWorld(std::vector<Shape> shapes, const Roughness& roughness)
+    : bvh_(std::move(shapes)),
+      relief_({roughness.surfaces, 0.8, 3.0, false}, sub_seed(roughness.seed, 0)),
+      ground_relief_({roughness.ground_waves, 9.0, 30.0, true}, sub_seed(roughness.seed, 1)) {}
+
+std::optional<Hit> ShapeWorld::cast(const Ray& ray, double max_range) const {
+  const auto shape_hit = bvh_.first_hit(ray, max_range);
+  double range = shape_hit ? shape_hit->range : max_range;
+  int surface = shape_hit ? 1 + kFacesPerShape * shape_hit->shape + shape_hit->face : -1;
+  const double to_ground = ray.direction.z() < 0.0 ? -ray.origin.z() / ray.direction.z() : max_range;
+  if (to_ground > 0.0 && to_ground < range) {
+    range = to_ground;
+    surface = kGround;
+  }
+  if (surface < 0) return std::nullopt;
+
+  // Newton's method from the even surface to the uneven one. Where it fails, the ray grazes.
+  for (int step = 0; step < kMaxSteps; ++step) {
+    const Implicit f = implicit(ray.origin + range * ray.direction, surface);
+    const double slope = f.gradient.dot(ray.direction);
+    if (slope > -kMinSlope) return std::nullopt;
+    if (std::abs(f.value) < kPrecision) {
+      const double reflectivity = surface == kGround ? kGroundReflectivity
+                                                     : bvh_.shapes()[static_cast<std::size_t>(shape_hit->shape)].reflectivity;
+      if (range <= 0.0 || range > max_range) return std::nullopt;
+      return Hit{range, f.gradient.normalized(), reflectivity, surface};
+    }
+    range -= f.value / slope;
+  }
+  return std::nullopt;
+}
+
+ShapeWorld::Implicit ShapeWorld::implicit(const math::Vector3d& p, int surface) const {
+  const Bump bump = relief_.at(p);
+  if (surface == kGround) {
+    const Bump wave = ground_relief_.at(p);
+    return {p.z() - bump.height - wave.height, math::Vector3d::UnitZ() - bump.gradient - wave.gradient};
+  }
+  const auto shape = static_cast<std::size_t>((surface - 1) / kFacesPerShape);
+  const FaceDistance even = distance_to_face(bvh_.shapes()[shape], (surface - 1) % kFacesPerShape, p);
+  return {even.distance - bump.height, even.normal - bump.gradient};
+}
+
+double ShapeWorld::distance(const math::Vector3d& p, int surface) const {
+  const Implicit f = implicit(p, surface);
+  return f.value / f.gradient.norm();
+}
+
+math::SE3 WorldConfig::T_world_scene() const {
+  const double yaw = yaw_deg * std::numbers::pi / 180.0;
+  return {Eigen::AngleAxisd(yaw, math::Vector3d::UnitZ()).toRotationMatrix(), {offset[0], offset[1], offset[2]}};
+}
+
+Fields WorldConfig::fields() {
+  return {
+      field("scene", scene, {"hall", "street", "office", "yard"}, "what kind of place"),
+      field("seed", seed, "", {0, 1e9}, "another number, another place of that kind"),
+      field("yaw_deg", yaw_deg, "deg", {-180.0, 180.0}, "how the scene is turned in the world"),
+      field("offset", offset, "m", {-1e5, 1e5}, "where the scene lies in the world"),
+      field("unevenness", unevenness, "m", {0.0, 0.03}, "root mean square of the bumps of all surfaces"),
+      field("ground_waves", ground_waves, "m", {0.0, 0.3}, "root mean square of the long waves of the ground"),
+      field("clutter", clutter, "", {0.0, 3.0}, "number of loose objects, as a share of the usual"),
+  };
+}
+
+Polygon scene_route(const WorldConfig& config) {
+  switch (config.scene) {
+    case SceneKind::kHall: return hall_route(config);
+    case SceneKind::kStreet: return street_route(config);
+    case SceneKind::kOffice: return office_route(config);
+    case SceneKind::kYard: break;
+  }
+  return yard_route(config);
+}
+
+std::unique_ptr<ShapeWorld> make_world(const WorldConfig& config, const Polygon& keep_free) {
+  const auto shapes = [&] {
+    switch (config.scene) {
+      case SceneKind::kHall: return hall_shapes(config, keep_free);
+      case SceneKind::kStreet: return street_shapes(config, keep_free);
+      case SceneKind::kOffice: return office_shapes(config, keep_free);
+      case SceneKind::kYard: break;
+    }
+    return yard_shapes(config, keep_free);
+  }();
+  const auto seed = static_cast<std::uint64_t>(config.seed);
+  return std::make_unique<ShapeWorld>(shapes, ShapeWorld::Roughness{config.unevenness, config.ground_waves, seed});
+}
+
+}  // namespace mmlins::sim
