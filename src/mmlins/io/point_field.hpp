@@ -7,8 +7,19 @@
 
 namespace mmlins::io {
 
-/// Numbered as in sensor_msgs/PointField.
-enum class FieldType : std::uint8_t { kInt8 = 1, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
+/// Numbered as in sensor_msgs/PointField, and on as in newer versions of PCL.
+enum class FieldType : std::uint8_t {
+  kInt8 = 1,
+  kUint8,
+  kInt16,
+  kUint16,
+  kInt32,
+  kUint32,
+  kFloat32,
+  kFloat64,
+  kInt64,
+  kUint64
+};
 
 /// As in the message.
 struct PointField {

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+// From decoded points to a scan with absolute times.
+
+#include "mmlins/io/lidar_cloud.hpp"
+#include "mmlins/io/point_time.hpp"
+#include "mmlins/sensor/lidar_scan.hpp"
+
+namespace mmlins::io {
+
+/// @param time_offset  added to all times: from the clock of the LiDAR to that of the IMU
+[[nodiscard]] sensor::LidarScan to_scan(LidarCloud cloud, const PointTimeModel& model, Duration time_offset);
+
+}  // namespace mmlins::io
