@@ -1,6 +1,142 @@
 // SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+#include <filesystem>
+
 #include "commands.hpp"
+#include "mmlins/base/log.hpp"
+#include "mmlins/base/parallel.hpp"
+#include "mmlins/base/stopwatch.hpp"
+#include "mmlins/config/yaml_config.hpp"
+#include "mmlins/io/open_dataset.hpp"
+#include "mmlins/pipeline/run_files.hpp"
 
 namespace mmlins::cli {
-void add_run(CLI::App&, int&) {}
+namespace {
+
+struct RunOptions {
+  std::string recording;
+  std::string rig_file;
+  std::string config_file;
+  std::string out = "mmlins_out";
+  std::vector<std::string> overrides;
+  int num_threads = 0;
+};
+
+std::atomic<bool> stop_requested = false;
+extern "C" void request_stop(int) { stop_requested = true; }
+
+/// One line that is rewritten on a terminal, and a line now and then elsewhere.
+class Progress {
+ public:
+  void show(const pipeline::ScanRecord& latest, double share);
+  void finish() const {
+    if (on_terminal_ && num_scans_ > 0) fmt::print(stderr, "\n");
+  }
+
+ private:
+  bool on_terminal_ = isatty(STDERR_FILENO) != 0;
+  int num_scans_ = 0;
+  int next_tenth_ = 1;
+  double elapsed_ms_ = 0.0;
+  double last_shown_ms_ = -1e9;
+  Stopwatch stopwatch_;
+};
+
+void Progress::show(const pipeline::ScanRecord& latest, double share) {
+  ++num_scans_;
+  elapsed_ms_ += stopwatch_.lap_ms();
+  const double rate = 1e3 * num_scans_ / std::max(elapsed_ms_, 1.0);
+  const std::string text = fmt::format("{:3.0f} %  {} scans  {:.0f} scans/s  {}", 100.0 * share, num_scans_, rate,
+                                       odometry::to_string(latest.state));
+  if (on_terminal_) {
+    if (elapsed_ms_ - last_shown_ms_ < 100.0) return;
+    last_shown_ms_ = elapsed_ms_;
+    const auto filled = static_cast<std::size_t>(20.0 * share);
+    fmt::print(stderr, "\r[{}{}] {:<60}", std::string(filled, '#'), std::string(20 - std::min<std::size_t>(20, filled), '.'), text);
+  } else if (10.0 * share >= next_tenth_) {
+    fmt::print(stderr, "{}\n", text);
+    next_tenth_ = static_cast<int>(10.0 * share) + 1;
+  }
+}
+
+Status load(const RunOptions& options, sensor::Rig& rig, pipeline::SlamConfig& config) {
+  if (!options.rig_file.empty()) {
+    if (Status status = config::apply_yaml_file(rig.fields(), options.rig_file); !status) return status;
+  }
+  if (Status status = sensor::validate(rig, options.rig_file.empty() ? "rig" : options.rig_file); !status) return status;
+  if (!options.config_file.empty()) {
+    if (Status status = config::apply_yaml_file(config.fields(), options.config_file); !status) return status;
+  }
+  for (const std::string& assignment : options.overrides) {
+    if (Status status = config::apply_override(config.fields(), assignment); !status) return status;
+  }
+  return {};
+}
+
+void print_result(const RunOptions& options, const pipeline::RunResult& result) {
+  const double seconds = pipeline::recording_seconds(result);
+  std::vector<double> ms;
+  for (const auto& scan : result.scans) ms.push_back(scan.total_ms());
+  const auto statistics = pipeline::stage_statistics(std::move(ms));
+  fmt::print("{} scans, {:.1f} s, {:.1f} m; {:.2f} ms per scan (p99 {:.1f}, max {:.1f}); {:.1f} s of work, {:.0f} MiB\n",
+             result.scans.size(), seconds, pipeline::path_length(result), statistics.mean_ms, statistics.p99_ms,
+             statistics.max_ms, result.wall_seconds, pipeline::peak_memory_mib());
+  fmt::print("{} map points; everything lies in {}\n", result.map.points_odom().size(), options.out);
+}
+
+int run(const RunOptions& options) {
+  sensor::Rig rig;
+  pipeline::SlamConfig config;
+  if (Status status = load(options, rig, config); !status) return fail(status.error());
+  parallel::set_num_threads(options.num_threads);
+  auto opened = io::open_dataset(options.recording, rig);
+  if (!opened) return fail(opened.error());
+  if (Status status = pipeline::prepare_folder(options.out); !status) return fail(status.error());
+
+  std::signal(SIGINT, request_stop);
+  std::signal(SIGTERM, request_stop);
+  Progress progress;
+  const auto result = pipeline::run(*opened->dataset, rig, config, [&](const pipeline::ScanRecord& latest, double share) {
+    progress.show(latest, share);
+    return !stop_requested.load();
+  });
+  progress.finish();
+  if (result.scans.empty()) {
+    return fail(make_error(ErrorCode::kInvalid, "{}: no scan could be used{}{}; look at it with: mmlins info {}",
+                           options.recording, result.read_error.empty() ? "" : ": ", result.read_error, options.recording));
+  }
+  rig.lidar_topic = opened->info.lidar->topic;
+  rig.imu_topic = opened->info.imu->topic;
+  const pipeline::RunSource source{options.recording, rig.lidar_topic, rig.imu_topic, parallel::num_threads()};
+  if (Status status = pipeline::write_run(options.out, result, source, rig, config); !status) return fail(status.error());
+  print_result(options, result);
+  if (!result.read_error.empty()) {
+    return fail(make_error(ErrorCode::kIo, "{}; what came before it was saved", result.read_error));
+  }
+  if (result.interrupted) {
+    return fail(make_error(ErrorCode::kInterrupted, "interrupted; the {} scans so far were saved in {}",
+                           result.scans.size(), options.out));
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_run(CLI::App& program, int& exit_code) {
+  auto options = std::make_shared<RunOptions>();
+  CLI::App* command = program.add_subcommand("run", "A recording in, a trajectory and a map out");
+  command->add_option("RECORDING", options->recording, "ROS 1 bag with a LiDAR and an IMU")->required();
+  command->add_option("--rig", options->rig_file, "the sensors: topics, extrinsics, IMU noise (YAML)");
+  command->add_option("--config", options->config_file, "parameters of the method (YAML); hardly ever needed");
+  command->add_option("--set", options->overrides, "one parameter, as group.key=value; may be repeated");
+  command->add_option("--out", options->out, "output folder")->capture_default_str();
+  command->add_option("--threads", options->num_threads, "threads to use; 0: all cores. The result is the same")
+      ->check(CLI::Range(0, 1024));
+  command->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
 }  // namespace mmlins::cli

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+#include <string>
+
+#include "mmlins/base/result.hpp"
+
+namespace mmlins {
+
+/// Replaces the file at once: written under a temporary name in the same folder, then renamed.
+[[nodiscard]] Status write_text_file(const std::string& path, const std::string& text);
+
+/// The whole file as text.
+[[nodiscard]] Result<std::string> read_text_file(const std::string& path);
+
+}  // namespace mmlins

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+// The whole configuration of a run: the configs of its parts, nested.
+
+#include "mmlins/base/config_fields.hpp"
+#include "mmlins/odometry/odometry_config.hpp"
+
+namespace mmlins::pipeline {
+
+struct OutputConfig {
+  double map_voxel = 0.2;
+
+  [[nodiscard]] Fields fields() {
+    return {field("map_voxel", map_voxel, "m", {0.01, 10.0}, "map.pcd holds one point per cell of this edge")};
+  }
+};
+
+struct SlamConfig {
+  odometry::OdometryConfig odometry;
+  OutputConfig output;
+
+  [[nodiscard]] Fields fields() {
+    return {group("odometry", odometry, "LiDAR-inertial odometry"), group("output", output, "files of a run")};
+  }
+};
+
+}  // namespace mmlins::pipeline

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: MIT
+#include "mmlins/pipeline/run_files.hpp"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <utility>
+
+#include "mmlins/base/text_file.hpp"
+#include "mmlins/config/yaml_config.hpp"
+#include "mmlins/eval/trajectory_file.hpp"
+#include "mmlins/io/pcd_file.hpp"
+
+namespace mmlins::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+using odometry::StageTimes;
+
+struct Stage {
+  const char* name;
+  double (*of)(const ScanRecord&);
+};
+constexpr std::array<Stage, 7> kStages{{
+    {"read", [](const ScanRecord& r) { return r.read_ms; }},
+    {"propagate", [](const ScanRecord& r) { return r.times.propagate; }},
+    {"deskew", [](const ScanRecord& r) { return r.times.deskew; }},
+    {"downsample", [](const ScanRecord& r) { return r.times.downsample; }},
+    {"update", [](const ScanRecord& r) { return r.times.update; }},
+    {"insert", [](const ScanRecord& r) { return r.times.insert; }},
+    {"total", [](const ScanRecord& r) { return r.total_ms(); }},
+}};
+
+std::string health_csv(const RunResult& result) {
+  std::string text =
+      "time,state,cause,points,keypoints,matches,iterations,residual_rms_m,"
+      "std_x_m,std_y_m,std_z_m,std_roll_rad,std_pitch_rad,std_yaw_rad";
+  for (const Stage& stage : kStages) text += fmt::format(",{}_ms", stage.name);
+  text += '\n';
+  for (const ScanRecord& r : result.scans) {
+    const auto ns = to_ns(r.time);
+    text += fmt::format("{}.{:09},{},{},{},{},{},{},{:.6f}", ns / 1'000'000'000, ns % 1'000'000'000, to_string(r.state),
+                        to_string(r.cause), r.num_points, r.num_keypoints, r.num_matches, r.iterations, r.residual_rms);
+    for (int i = 0; i < 3; ++i) text += fmt::format(",{:.6g}", r.position_std(i));
+    for (int i = 0; i < 3; ++i) text += fmt::format(",{:.6g}", r.rotation_std(i));
+    for (const Stage& stage : kStages) text += fmt::format(",{:.3f}", stage.of(r));
+    text += '\n';
+  }
+  return text;
+}
+
+ordered_json stages_json(const RunResult& result) {
+  ordered_json stages;
+  for (const Stage& stage : kStages) {
+    std::vector<double> ms;
+    for (const ScanRecord& r : result.scans) ms.push_back(stage.of(r));
+    const StageStatistics s = stage_statistics(std::move(ms));
+    stages[stage.name] = {{"mean_ms", s.mean_ms}, {"median_ms", s.median_ms}, {"p99_ms", s.p99_ms}, {"max_ms", s.max_ms}};
+  }
+  return stages;
+}
+
+ordered_json states_json(const RunResult& result) {
+  ordered_json states;
+  using odometry::TrackingState;
+  for (const auto state : {TrackingState::kInitializing, TrackingState::kTracking, TrackingState::kBridging}) {
+    states[std::string(to_string(state))] =
+        std::count_if(result.scans.begin(), result.scans.end(), [&](const ScanRecord& r) { return r.state == state; });
+  }
+  return states;
+}
+
+std::string summary_json(const RunResult& result, const RunSource& source, const std::string& config_yaml) {
+  const double seconds = recording_seconds(result);
+  ordered_json summary;
+  summary["mmlins"] = MMLINS_VERSION;
+  summary["recording"] = source.recording;
+  summary["lidar_topic"] = source.lidar_topic;
+  summary["imu_topic"] = source.imu_topic;
+  summary["threads"] = source.num_threads;
+  summary["scans"] = result.scans.size();
+  summary["scans_by_state"] = states_json(result);
+  summary["scans_left_out"] = {{"before_imu", result.num_scans_without_imu}, {"not_later", result.num_scans_not_later}};
+  summary["imu_samples_not_later"] = result.num_late_imu_samples;
+  summary["clock_jumps_back"] = result.num_clock_jumps;
+  summary["interrupted"] = result.interrupted;
+  summary["read_error"] = result.read_error;
+  summary["duration_s"] = seconds;
+  summary["path_length_m"] = path_length(result);
+  summary["map_points"] = result.map.points_odom().size();
+  summary["stages"] = stages_json(result);
+  summary["wall_s"] = result.wall_seconds;
+  summary["real_time_factor"] = seconds > 0.0 ? result.wall_seconds / seconds : 0.0;
+  summary["peak_memory_mib"] = peak_memory_mib();
+  summary["config"] = config_yaml;
+  return summary.dump(2) + "\n";
+}
+
+math::Trajectory odometry_of(const RunResult& result) {
+  math::Trajectory trajectory;
+  for (const ScanRecord& r : result.scans) trajectory.push_back({r.time, r.T_odom_imu});
+  return trajectory;
+}
+
+}  // namespace
+
+Status prepare_folder(const std::string& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) return make_error(ErrorCode::kIo, "cannot create the output folder {}: {}", folder, error.message());
+  return write_text_file(folder + "/.mmlins-write-test", "").ok()
+             ? (fs::remove(folder + "/.mmlins-write-test", error), Status{})
+             : Status{make_error(ErrorCode::kIo, "cannot write to the output folder {}; choose another with --out", folder)};
+}
+
+Status write_run(const std::string& folder, const RunResult& result, const RunSource& source, const sensor::Rig& rig,
+                 const SlamConfig& config) {
+  const math::Trajectory trajectory = odometry_of(result);
+  SlamConfig config_copy = config;
+  sensor::Rig rig_copy = rig;
+  const std::string config_yaml = config::to_yaml(config_copy.fields(), true);
+  const std::pair<const char*, std::string> texts[] = {
+      {"health.csv", health_csv(result)},
+      {"config.yaml", config_yaml},
+      {"rig.yaml", config::to_yaml(rig_copy.fields(), true)},
+      {"summary.json", summary_json(result, source, config::to_yaml(config_copy.fields(), false))},
+  };
+  for (const char* name : {"odometry.tum", "trajectory.tum"}) {
+    if (Status status = eval::write_tum(folder + "/" + name, trajectory); !status) return status;
+  }
+  if (Status status = io::write_pcd(folder + "/map.pcd", result.map.points_odom(), result.map.intensities()); !status) {
+    return status;
+  }
+  for (const auto& [name, text] : texts) {
+    if (Status status = write_text_file(folder + "/" + name, text); !status) return status;
+  }
+  return {};
+}
+
+StageStatistics stage_statistics(std::vector<double> milliseconds) {
+  if (milliseconds.empty()) return {};
+  std::sort(milliseconds.begin(), milliseconds.end());
+  const auto size = milliseconds.size();
+  return {std::accumulate(milliseconds.begin(), milliseconds.end(), 0.0) / static_cast<double>(size),
+          milliseconds[size / 2], milliseconds[std::min(size - 1, size * 99 / 100)], milliseconds.back()};
+}
+
+double path_length(const RunResult& result) {
+  double length = 0.0;
+  for (std::size_t i = 1; i < result.scans.size(); ++i) {
+    length += (result.scans[i].T_odom_imu.t - result.scans[i - 1].T_odom_imu.t).norm();
+  }
+  return length;
+}
+
+double recording_seconds(const RunResult& result) {
+  return result.scans.empty() ? 0.0 : to_seconds(result.scans.back().time - result.scans.front().time);
+}
+
+double peak_memory_mib() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024.0;
+}
+
+}  // namespace mmlins::pipeline

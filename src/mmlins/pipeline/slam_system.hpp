@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+// One recording from its first to its last measurement, in one thread of control: the same recording
+// gives the same results whatever the machine is doing.
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "mmlins/odometry/lidar_inertial_odometry.hpp"
+#include "mmlins/pipeline/config.hpp"
+#include "mmlins/pipeline/sensor_sync.hpp"
+#include "mmlins/pipeline/voxel_map_builder.hpp"
+#include "mmlins/sensor/dataset.hpp"
+
+namespace mmlins::pipeline {
+
+/// One line of health.csv: what is kept of a scan, small enough to keep for hours.
+struct ScanRecord {
+  Time time;
+  math::SE3 T_odom_imu;
+  odometry::TrackingState state = odometry::TrackingState::kInitializing;
+  odometry::Cause cause = odometry::Cause::kNone;
+  int num_points = 0;
+  int num_keypoints = 0;
+  int num_matches = 0;
+  int iterations = 0;
+  double residual_rms = 0.0;                                  ///< [m]
+  math::Vector3d position_std = math::Vector3d::Zero();       ///< along the axes of odom [m]
+  math::Vector3d rotation_std = math::Vector3d::Zero();       ///< about the axes of the IMU [rad]
+  double read_ms = 0.0;                                       ///< reading and decoding since the scan before
+  odometry::StageTimes times;
+
+  [[nodiscard]] double total_ms() const { return read_ms + times.total(); }
+};
+
+struct RunResult {
+  std::vector<ScanRecord> scans;
+  VoxelMapBuilder map{1.0};     ///< in the odom frame
+  int num_scans_without_imu = 0;
+  int num_scans_not_later = 0;
+  int num_late_imu_samples = 0;
+  int num_clock_jumps = 0;
+  double wall_seconds = 0.0;
+  bool interrupted = false;
+  std::string read_error;       ///< why reading ended early; empty if it did not
+};
+
+/// Called after every scan; returns false to stop and keep what there is.
+using Observer = std::function<bool(const ScanRecord& latest, double progress)>;
+
+/// Runs the whole dataset.
+[[nodiscard]] RunResult run(sensor::Dataset& dataset, const sensor::Rig& rig, const SlamConfig& config,
+                            const Observer& observer);
+
+}  // namespace mmlins::pipeline
