@@ -62,7 +62,8 @@ TEST(YamlConfig, GivenKeysAreSetAndAbsentOnesKeepTheirValue) {
   TestConfig config;
   const Status status = apply_yaml(
       config.fields(),
-      "lidar:\n  voxel_size: 0.25\nmap: knn\nsave: false\ntopic: /points\noffset: [1, -2.5, 1e-3]\n", "my.yaml");
+      "lidar:\n  voxel_size: 0.25\nmap: knn\nsave: false\ntopic: /points\noffset: [1, -2.5, 1e-3]\n",
+      "my.yaml");
   ASSERT_TRUE(status.ok()) << status.error().message;
   EXPECT_EQ(config.lidar.voxel_size, 0.25);
   EXPECT_EQ(config.lidar.num_neighbours, 5);
@@ -82,7 +83,8 @@ TEST(YamlConfig, UnknownKeysAreRefusedWithLineAndNearestName) {
   EXPECT_EQ(error_of("save: true\nlidar:\n  voxel_sise: 0.2\n"),
             "my.yaml:3: unknown key lidar.voxel_sise; did you mean lidar.voxel_size?");
   EXPECT_EQ(error_of("lidr:\n  voxel_size: 0.2\n"), "my.yaml:1: unknown key lidr; did you mean lidar?");
-  EXPECT_EQ(error_of("voxel_size: 0.2\n"), "my.yaml:1: unknown key voxel_size; did you mean lidar.voxel_size?");
+  EXPECT_EQ(error_of("voxel_size: 0.2\n"),
+            "my.yaml:1: unknown key voxel_size; did you mean lidar.voxel_size?");
   EXPECT_EQ(error_of("completely_else: 1\n"),
             "my.yaml:1: unknown key completely_else; \"mmlins config\" lists all keys");
 }
@@ -125,7 +127,8 @@ TEST(YamlConfig, NumbersThatAreNotFiniteAreRefused) {
 }
 
 TEST(YamlConfig, DuplicateKeysAreRefused) {
-  EXPECT_EQ(error_of("save: true\n\nsave: false\n"), "my.yaml:3: save is given twice, first in line 1; remove one");
+  EXPECT_EQ(error_of("save: true\n\nsave: false\n"),
+            "my.yaml:3: save is given twice, first in line 1; remove one");
 }
 
 TEST(YamlConfig, TextThatIsNoMapOfKeysIsRefused) {
@@ -182,8 +185,10 @@ TEST(YamlConfig, WrittenNumbersReadBackToTheSameBits) {
 }
 
 TEST(YamlConfig, WrittenTextReadsBackWhateverItsCharacters) {
-  for (const char* text : {"", " ", "a: b", "# no", "true", "~", "1.5", "\"q\"", "back\\slash", "line\nbreak", "\ttab",
-                           "[x", "{x", "/ok/topic", "m/s^2", "- x", "é", "a # b", "'", "&a", "*a", "!t", "%"}) {
+  for (const char* text :
+       {"",      " ",  "a: b", "# no",      "true",  "~",   "1.5", "\"q\"", "back\\slash", "line\nbreak",
+        "\ttab", "[x", "{x",   "/ok/topic", "m/s^2", "- x", "é",   "a # b", "'",           "&a",
+        "*a",    "!t", "%"}) {
     TestConfig written;
     written.topic = text;
     TestConfig read;
@@ -218,7 +223,8 @@ TEST(YamlConfig, UnreadableFilesAreNamed) {
   EXPECT_EQ(apply_yaml_file(config.fields(), "/nowhere/x.yaml").error().message,
             "/nowhere/x.yaml: no such file; check the path");
   const std::string folder = std::filesystem::temp_directory_path().string();
-  EXPECT_EQ(apply_yaml_file(config.fields(), folder).error().message, folder + ": is a folder; give a YAML file");
+  EXPECT_EQ(apply_yaml_file(config.fields(), folder).error().message,
+            folder + ": is a folder; give a YAML file");
 }
 
 TEST(YamlConfig, FilesAreReadLikeText) {

@@ -53,7 +53,9 @@ struct AcceptedText {
   std::string operator()(const NumbersAccess& numbers) const {
     return with_range(fmt::format("a list of {} numbers", numbers.size));
   }
-  std::string operator()(const EnumAccess& access) const { return fmt::format("{}", fmt::join(access.words, " | ")); }
+  std::string operator()(const EnumAccess& access) const {
+    return fmt::format("{}", fmt::join(access.words, " | "));
+  }
   std::string operator()(const Fields&) const { return "a group of \"key: value\" lines"; }
 };
 
@@ -66,7 +68,8 @@ std::vector<NamedField> index_fields(const Fields& fields) {
 }
 
 const Field* find_field(const std::vector<NamedField>& index, const std::string& name) {
-  const auto found = std::find_if(index.begin(), index.end(), [&](const NamedField& f) { return f.name == name; });
+  const auto found =
+      std::find_if(index.begin(), index.end(), [&](const NamedField& f) { return f.name == name; });
   return found == index.end() ? nullptr : found->field;
 }
 

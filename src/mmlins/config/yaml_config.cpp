@@ -21,7 +21,8 @@ constexpr std::uintmax_t kLargestFile = 16U << 20U;  // [bytes]
 /// Walks a YAML tree along the fields and collects what to assign.
 class Reader {
  public:
-  Reader(const Fields& fields, std::string source) : index_(index_fields(fields)), source_(std::move(source)) {}
+  Reader(const Fields& fields, std::string source)
+      : index_(index_fields(fields)), source_(std::move(source)) {}
 
   Status read_group(const YAML::Node& node, const std::string& prefix) {
     if (node.IsNull()) return {};  // all members left out
@@ -31,7 +32,8 @@ class Reader {
     }
     for (const auto& entry : node) {
       if (!entry.first.IsScalar()) return refuse(entry.first, "a key must be a plain word");
-      if (const Status status = read_entry(prefix + entry.first.Scalar(), entry.first, entry.second); !status) {
+      if (const Status status = read_entry(prefix + entry.first.Scalar(), entry.first, entry.second);
+          !status) {
         return status;
       }
     }
@@ -43,12 +45,14 @@ class Reader {
     if (field == nullptr) return refuse(key, unknown_key(name));
     const int line = key.Mark().line + 1;
     if (const auto [earlier, is_new] = lines_.emplace(name, line); !is_new) {
-      return refuse(key, fmt::format("{} is given twice, first in line {}; remove one", name, earlier->second));
+      return refuse(key,
+                    fmt::format("{} is given twice, first in line {}; remove one", name, earlier->second));
     }
     if (std::holds_alternative<Fields>(field->value)) return read_group(value, name + ".");
     Result<Assignment> assignment = check_value(*field, value);
     if (!assignment) {
-      return refuse(key, fmt::format("{} {}; accepted: {}", name, assignment.error().message, accepted_values(*field)));
+      return refuse(
+          key, fmt::format("{} {}; accepted: {}", name, assignment.error().message, accepted_values(*field)));
     }
     assignments_.push_back(std::move(assignment).value());
     return {};
@@ -79,16 +83,18 @@ class Reader {
 
 Result<YAML::Node> parse(const std::string& text, const std::string& source) {
   if (text.find('\0') != std::string::npos) {
-    return make_error(ErrorCode::kInvalid, "{}:1: is no text file; give a YAML file of \"key: value\" lines", source);
+    return make_error(ErrorCode::kInvalid, "{}:1: is no text file; give a YAML file of \"key: value\" lines",
+                      source);
   }
   try {
     const std::vector<YAML::Node> documents = YAML::LoadAll(text);
     if (documents.empty()) return YAML::Node();
     if (documents.size() == 1) return documents.front();
-    return make_error(ErrorCode::kInvalid, "{}:{}: a second YAML document begins here; remove the \"---\"", source,
-                      std::max(0, documents[1].Mark().line) + 1);
+    return make_error(ErrorCode::kInvalid, "{}:{}: a second YAML document begins here; remove the \"---\"",
+                      source, std::max(0, documents[1].Mark().line) + 1);
   } catch (const YAML::Exception& e) {
-    return make_error(ErrorCode::kInvalid, "{}:{}: not valid YAML: {}", source, std::max(0, e.mark.line) + 1, e.msg);
+    return make_error(ErrorCode::kInvalid, "{}:{}: not valid YAML: {}", source, std::max(0, e.mark.line) + 1,
+                      e.msg);
   }
 }
 
@@ -101,7 +107,8 @@ Result<std::string> read_text(const std::string& path) {
     return make_error(ErrorCode::kInvalid, "{}: is a folder; give a YAML file", path);
   }
   if (const auto size = std::filesystem::file_size(path, error); !error && size > kLargestFile) {
-    return make_error(ErrorCode::kInvalid, "{}: {} MB is too large for settings; give a YAML file", path, size >> 20U);
+    return make_error(ErrorCode::kInvalid, "{}: {} MB is too large for settings; give a YAML file", path,
+                      size >> 20U);
   }
   std::ifstream file(path, std::ios::binary);
   if (!file) return make_error(ErrorCode::kIo, "{}: cannot be opened; check its permissions", path);
@@ -134,7 +141,8 @@ Status apply_yaml_file(const Fields& fields, const std::string& path) {
 Status apply_override(const Fields& fields, const std::string& assignment) {
   const std::size_t equals = assignment.find('=');
   if (equals == 0 || equals == std::string::npos) {
-    return make_error(ErrorCode::kInvalid, "'{}': write a setting as key=value, for instance group.key=1", assignment);
+    return make_error(ErrorCode::kInvalid, "'{}': write a setting as key=value, for instance group.key=1",
+                      assignment);
   }
   const std::string source = "'" + assignment + "'";
   const Result<YAML::Node> value = parse(assignment.substr(equals + 1), source);

@@ -12,7 +12,8 @@ namespace mmlins::config {
 
 /// Sets the given fields from YAML text. Keys that are absent keep their value.
 /// @param source  what to call the text in error messages: a file name
-[[nodiscard]] Status apply_yaml(const Fields& fields, const std::string& yaml_text, const std::string& source);
+[[nodiscard]] Status apply_yaml(const Fields& fields, const std::string& yaml_text,
+                                const std::string& source);
 
 /// The same, from a file.
 [[nodiscard]] Status apply_yaml_file(const Fields& fields, const std::string& path);

@@ -22,7 +22,8 @@ std::string shown(const YAML::Node& node) {
   if (node.IsNull()) return "has no value";
   if (node.IsSequence()) return fmt::format("is a list of {}", node.size());
   if (node.IsMap()) return "is a group";
-  return is_plain_scalar(node) ? fmt::format("is {}", node.Scalar()) : fmt::format("is the text \"{}\"", node.Scalar());
+  return is_plain_scalar(node) ? fmt::format("is {}", node.Scalar())
+                               : fmt::format("is the text \"{}\"", node.Scalar());
 }
 
 /// Reads the whole text as a number. std::from_chars does not depend on the locale and is exact.
@@ -91,7 +92,8 @@ struct Checker {
   }
 
   Result<Assignment> operator()(const NumbersAccess& target) const {
-    if (!node.IsSequence() || node.size() != static_cast<std::size_t>(target.size)) return refuse(shown(node));
+    if (!node.IsSequence() || node.size() != static_cast<std::size_t>(target.size))
+      return refuse(shown(node));
     std::vector<double> numbers;
     for (std::size_t i = 0; i < node.size(); ++i) {
       const Result<double> number = check_number(field, node[i]);
@@ -106,9 +108,11 @@ struct Checker {
     const auto word = std::find(target.words.begin(), target.words.end(), node.Scalar());
     if (word == target.words.end()) {
       const std::string nearest = nearest_word(target.words, node.Scalar());
-      return refuse(nearest.empty() ? shown(node) : fmt::format("{} (did you mean {}?)", shown(node), nearest));
+      return refuse(nearest.empty() ? shown(node)
+                                    : fmt::format("{} (did you mean {}?)", shown(node), nearest));
     }
-    return Assignment([&target, index = static_cast<int>(word - target.words.begin())] { target.set(index); });
+    return Assignment(
+        [&target, index = static_cast<int>(word - target.words.begin())] { target.set(index); });
   }
 
   Result<Assignment> operator()(const Fields&) const { return refuse("is a group of settings"); }

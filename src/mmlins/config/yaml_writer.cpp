@@ -17,8 +17,8 @@ constexpr std::size_t kLineWidth = 100;
 
 bool is_plain_word(const std::string& text) {
   // Words that some YAML reader takes for something other than text.
-  static constexpr std::string_view kReserved[] = {"true", "false", "null", "yes", "no", "on", "off", "y", "n",
-                                                   "nan",  "inf"};
+  static constexpr std::string_view kReserved[] = {"true", "false", "null", "yes", "no", "on",
+                                                   "off",  "y",     "n",    "nan", "inf"};
   if (text.empty() || !(std::isalpha(static_cast<unsigned char>(text[0])) || text[0] == '/')) return false;
   std::string lower = text;
   std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return std::tolower(c); });
@@ -86,7 +86,8 @@ std::string fields_text(const Fields& fields, bool with_comments, const std::str
     if (with_comments && members != nullptr && !text.empty()) text += "\n";
     if (with_comments) text += wrapped_comment(comment_text(field), indent);
     if (members != nullptr) {
-      text += fmt::format("{}{}:\n{}", indent, field.name, fields_text(*members, with_comments, indent + "  "));
+      text +=
+          fmt::format("{}{}:\n{}", indent, field.name, fields_text(*members, with_comments, indent + "  "));
     } else {
       text += fmt::format("{}{}: {}\n", indent, field.name, std::visit(ValueText{}, field.value));
     }
@@ -96,6 +97,8 @@ std::string fields_text(const Fields& fields, bool with_comments, const std::str
 
 }  // namespace
 
-std::string to_yaml(const Fields& fields, bool with_comments) { return fields_text(fields, with_comments, ""); }
+std::string to_yaml(const Fields& fields, bool with_comments) {
+  return fields_text(fields, with_comments, "");
+}
 
 }  // namespace mmlins::config
