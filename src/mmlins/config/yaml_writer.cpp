@@ -4,8 +4,10 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <iterator>
 #include <sstream>
 #include <string_view>
+#include <vector>
 
 #include "mmlins/config/field_index.hpp"
 #include "mmlins/config/yaml_config.hpp"
@@ -65,11 +67,19 @@ std::string comment_text(const Field& field) {
   return limits.empty() ? field.meaning : fmt::format("{} [{}]", field.meaning, limits);
 }
 
+/// The words of a comment; a range in brackets is one word.
+std::vector<std::string> comment_words(const std::string& text) {
+  const std::size_t bracket = std::min(text.rfind('['), text.size());
+  std::istringstream stream(text.substr(0, bracket));
+  std::vector<std::string> words{std::istream_iterator<std::string>(stream), {}};
+  if (bracket < text.size()) words.push_back(text.substr(bracket));
+  return words;
+}
+
 std::string wrapped_comment(const std::string& text, const std::string& indent) {
-  std::istringstream words(text);
   std::string lines;
   std::string line = indent + "#";
-  for (std::string word; words >> word;) {
+  for (const std::string& word : comment_words(text)) {
     if (line.size() + 1 + word.size() > kLineWidth && line.size() > indent.size() + 1) {
       lines += line + "\n";
       line = indent + "#";
