@@ -1,39 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "mmlins/sim/scenario.hpp"
 
-#include <algorithm>
-#include <numeric>
-
+#include "mmlins/config/field_index.hpp"
 #include "mmlins/config/yaml_config.hpp"
 
 namespace mmlins::sim {
 
 namespace {
 
-// Number of letters to insert, delete or replace to make one word of the other.
-std::size_t edit_distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0]++;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
-    }
-  }
-  return row.back();
-}
-
-std::string nearest_name(const std::string& name, const std::vector<ScenarioText>& scenarios) {
-  const auto nearest = std::min_element(scenarios.begin(), scenarios.end(), [&](const auto& a, const auto& b) {
-    return edit_distance(name, a.name) < edit_distance(name, b.name);
-  });
-  return nearest == scenarios.end() ? "" : nearest->name;
-}
-
 bool looks_like_a_file(const std::string& name) {
-  return name.find('/') != std::string::npos || name.find(".y") != std::string::npos;
+  return name.find('/') != std::string::npos || name.ends_with(".yaml") || name.ends_with(".yml");
 }
 
 Status apply_named(const Fields& fields, const std::string& name) {
@@ -41,9 +17,11 @@ Status apply_named(const Fields& fields, const std::string& name) {
   for (const ScenarioText& scenario : scenarios) {
     if (scenario.name == name) return config::apply_yaml(fields, scenario.yaml, name);
   }
-  return make_error(ErrorCode::kNotFound,
-                    "there is no scenario '{}'; did you mean '{}'? --list shows all, a path with .yaml reads a file", name,
-                    nearest_name(name, scenarios));
+  std::vector<std::string> names;
+  for (const ScenarioText& scenario : scenarios) names.push_back(scenario.name);
+  const std::string nearest = config::nearest_word(names, name);
+  return make_error(ErrorCode::kNotFound, "there is no scenario '{}'{} (--list shows all; a name ending in .yaml is a file)",
+                    name, nearest.empty() ? "" : "; did you mean '" + nearest + "'?");
 }
 
 }  // namespace
