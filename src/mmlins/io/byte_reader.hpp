@@ -15,7 +15,8 @@
 
 namespace mmlins::io {
 
-static_assert(std::endian::native == std::endian::little, "messages are little-endian and are copied as they are");
+static_assert(std::endian::native == std::endian::little,
+              "messages are little-endian and are copied as they are");
 
 using Bytes = std::span<const std::uint8_t>;
 
@@ -33,7 +34,8 @@ class ByteReader {
   template <typename Number>
   [[nodiscard]] Number number() {
     Number value{};
-    if (const Bytes source = take(sizeof(Number)); !source.empty()) std::memcpy(&value, source.data(), sizeof(Number));
+    if (const Bytes source = take(sizeof(Number)); !source.empty())
+      std::memcpy(&value, source.data(), sizeof(Number));
     return value;
   }
   [[nodiscard]] Bytes take(std::uint64_t num_bytes) {

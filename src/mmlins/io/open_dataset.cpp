@@ -35,7 +35,8 @@ Result<Examined> examine(Rosbag1Reader& reader, const sensor::Rig& rig) {
     info.topics.push_back({topic.name, topic.type, topic.num_messages, measure_timing(*times, false)});
   }
   const auto add_problem = [&info](const Error& error) {
-    if (info.problems.empty() || info.problems.back() != error.message) info.problems.push_back(error.message);
+    if (info.problems.empty() || info.problems.back() != error.message)
+      info.problems.push_back(error.message);
   };
   if (const auto topic = choose_lidar_topic(reader, rig); !topic.ok()) {
     add_problem(topic.error());
@@ -57,7 +58,8 @@ Result<Examined> examine(Rosbag1Reader& reader, const sensor::Rig& rig) {
 }
 
 /// The stamps of all messages that have a header, for the given topics.
-Result<std::vector<std::vector<Time>>> read_stamps(Rosbag1Reader& reader, const std::vector<std::size_t>& topics) {
+Result<std::vector<std::vector<Time>>> read_stamps(Rosbag1Reader& reader,
+                                                   const std::vector<std::size_t>& topics) {
   std::vector<std::vector<Time>> stamps(reader.topics().size());
   if (const Status status = reader.select(topics); !status.ok()) return status.error();
   while (true) {
@@ -80,9 +82,10 @@ Result<OpenedDataset> open_dataset(const std::string& path, const sensor::Rig& r
   const RecordingInfo& info = examined->info;
   if (!info.problems.empty()) return Error{ErrorCode::kInvalid, info.problems.front()};
   if (info.lidar->time.field.empty()) {
-    log::warning("{}: the points have no time: scans are taken as instantaneous, deskewing is off; "
-                 "if they have one, name it in time_field of the rig",
-                 info.lidar->topic);
+    log::warning(
+        "{}: the points have no time: scans are taken as instantaneous, deskewing is off; "
+        "if they have one, name it in time_field of the rig",
+        info.lidar->topic);
   }
   if (const Status status = reader->select(examined->used_topics); !status.ok()) return status.error();
   OpenedDataset opened;

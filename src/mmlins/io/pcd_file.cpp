@@ -50,11 +50,13 @@ bool apply_line(Header& header, const std::string& line) {
   if (key == "FIELDS") {
     for (std::string name; words >> name;) header.columns.push_back({name});
   } else if (key == "SIZE") {
-    read_values<std::size_t>(words, header.columns, [](Column& column, std::size_t size) { column.size = size; });
+    read_values<std::size_t>(words, header.columns,
+                             [](Column& column, std::size_t size) { column.size = size; });
   } else if (key == "TYPE") {
     read_values<char>(words, header.columns, [](Column& column, char type) { column.type = type; });
   } else if (key == "COUNT") {
-    read_values<std::size_t>(words, header.columns, [](Column& column, std::size_t count) { column.count = count; });
+    read_values<std::size_t>(words, header.columns,
+                             [](Column& column, std::size_t count) { column.count = count; });
   } else if (key == "POINTS") {
     return static_cast<bool>(words >> header.num_points);
   } else if (key == "DATA") {
@@ -99,10 +101,14 @@ float load_float(const char* source) {
 
 float binary_value(const char* point, const Column& column) {
   const char* const source = point + column.offset;
-  const auto either = [&](float as_signed, float as_unsigned) { return column.type == 'I' ? as_signed : as_unsigned; };
+  const auto either = [&](float as_signed, float as_unsigned) {
+    return column.type == 'I' ? as_signed : as_unsigned;
+  };
   switch (column.size) {
-    case 1: return either(load_float<std::int8_t>(source), load_float<std::uint8_t>(source));
-    case 2: return either(load_float<std::int16_t>(source), load_float<std::uint16_t>(source));
+    case 1:
+      return either(load_float<std::int8_t>(source), load_float<std::uint8_t>(source));
+    case 2:
+      return either(load_float<std::int16_t>(source), load_float<std::uint16_t>(source));
     case 4:
       if (column.type == 'F') return load_float<float>(source);
       return either(load_float<std::int32_t>(source), load_float<std::uint32_t>(source));
@@ -152,14 +158,16 @@ bool read_ascii(std::istream& file, const Header& header, const Kept& kept, PcdC
   return true;
 }
 
-bool write_points(std::FILE* file, std::span<const Eigen::Vector3f> points, std::span<const float> intensities) {
+bool write_points(std::FILE* file, std::span<const Eigen::Vector3f> points,
+                  std::span<const float> intensities) {
   constexpr std::size_t kBlock = 4096;
   std::vector<std::array<float, 4>> block;
   for (std::size_t begin = 0; begin < points.size(); begin += kBlock) {
     const std::size_t end = std::min(points.size(), begin + kBlock);
     block.clear();
     for (std::size_t i = begin; i < end; ++i) {
-      block.push_back({points[i].x(), points[i].y(), points[i].z(), intensities.empty() ? 0.0F : intensities[i]});
+      block.push_back(
+          {points[i].x(), points[i].y(), points[i].z(), intensities.empty() ? 0.0F : intensities[i]});
     }
     if (std::fwrite(block.data(), sizeof(block[0]), block.size(), file) != block.size()) return false;
   }
@@ -173,9 +181,11 @@ Status write_pcd(const std::string& path, std::span<const Eigen::Vector3f> point
   MMLINS_CHECK(intensities.empty() || intensities.size() == points.size());
   const std::string temporary_path = path + ".part";
   std::FILE* const file = std::fopen(temporary_path.c_str(), "wb");
-  if (file == nullptr) return make_error(ErrorCode::kIo, "{}: cannot be written: {}", path, std::strerror(errno));
+  if (file == nullptr)
+    return make_error(ErrorCode::kIo, "{}: cannot be written: {}", path, std::strerror(errno));
   const std::string header = fmt::format(
-      "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F F F F\n"
+      "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F "
+      "F F F\n"
       "COUNT 1 1 1 1\nWIDTH {0}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {0}\nDATA binary\n",
       points.size());
   errno = 0;
@@ -202,8 +212,8 @@ Result<PcdCloud> read_pcd(const std::string& path) {
     return make_error(ErrorCode::kInvalid, "{}: has no fields x, y and z", path);
   }
   if (header->data != "binary" && header->data != "ascii") {
-    return make_error(ErrorCode::kUnsupported, "{}: DATA {} is not supported; save it as binary or ascii", path,
-                      header->data);
+    return make_error(ErrorCode::kUnsupported, "{}: DATA {} is not supported; save it as binary or ascii",
+                      path, header->data);
   }
   PcdCloud cloud;
   const bool ok = header->data == "binary" ? read_binary(file, *header, kept, cloud)

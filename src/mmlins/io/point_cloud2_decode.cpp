@@ -13,11 +13,13 @@ namespace mmlins::io {
 namespace {
 
 const PointField* find_field(const std::vector<PointField>& fields, std::string_view name) {
-  const auto found = std::find_if(fields.begin(), fields.end(), [name](const auto& f) { return f.name == name; });
+  const auto found =
+      std::find_if(fields.begin(), fields.end(), [name](const auto& f) { return f.name == name; });
   return found == fields.end() ? nullptr : &*found;
 }
 
-std::optional<PointField> find_any(const std::vector<PointField>& fields, std::initializer_list<std::string_view> names) {
+std::optional<PointField> find_any(const std::vector<PointField>& fields,
+                                   std::initializer_list<std::string_view> names) {
   for (const std::string_view name : names) {
     if (const PointField* field = find_field(fields, name)) return *field;
   }
@@ -37,8 +39,8 @@ Status check_within(const PointField& field, std::uint32_t point_step) {
                       static_cast<int>(field.type));
   }
   if (std::uint64_t{field.offset} + size > point_step) {
-    return make_error(ErrorCode::kInvalid, "point field {} lies at bytes {} to {} of a point of {} bytes", field.name,
-                      field.offset, std::uint64_t{field.offset} + size, point_step);
+    return make_error(ErrorCode::kInvalid, "point field {} lies at bytes {} to {} of a point of {} bytes",
+                      field.name, field.offset, std::uint64_t{field.offset} + size, point_step);
   }
   return {};
 }
@@ -49,14 +51,16 @@ Status check_sizes(const PointCloud2View& view) {
   const std::uint64_t row_size = std::uint64_t{view.width} * view.point_step;
   // Many drivers leave row_step wrong where it does not matter: in a single row.
   if (view.height > 1 && view.row_step < row_size) {
-    return make_error(ErrorCode::kInvalid, "rows of {} points of {} bytes do not fit into a row_step of {} bytes",
-                      view.width, view.point_step, view.row_step);
+    return make_error(ErrorCode::kInvalid,
+                      "rows of {} points of {} bytes do not fit into a row_step of {} bytes", view.width,
+                      view.point_step, view.row_step);
   }
   // In this order nothing overflows.
   if (view.point_step == 0 || row_size > view.data.size() ||
       (std::uint64_t{view.height} - 1) * view.row_step + row_size > view.data.size()) {
-    return make_error(ErrorCode::kInvalid, "{} x {} points of {} bytes do not fit into the {} bytes of the message",
-                      view.width, view.height, view.point_step, view.data.size());
+    return make_error(ErrorCode::kInvalid,
+                      "{} x {} points of {} bytes do not fit into the {} bytes of the message", view.width,
+                      view.height, view.point_step, view.data.size());
   }
   return {};
 }
@@ -95,19 +99,22 @@ ValidPoints collect_valid(const PointCloud2View& view, const LoadPoint& load_poi
 
 float load_as_float(const std::uint8_t* point, const PointField& field) {
   float value = 0.0F;
-  with_type(field.type, [&](auto type) { value = static_cast<float>(load<decltype(type)>(point + field.offset)); });
+  with_type(field.type,
+            [&](auto type) { value = static_cast<float>(load<decltype(type)>(point + field.offset)); });
   return value;
 }
 
 ValidPoints valid_points(const PointCloud2View& view, const PointLayout& layout) {
   const auto is_float = [](const PointField& field) { return field.type == FieldType::kFloat32; };
   if (is_float(layout.x) && is_float(layout.y) && is_float(layout.z)) {
-    return collect_valid(view, [x = layout.x.offset, y = layout.y.offset, z = layout.z.offset](const std::uint8_t* p) {
-      return Eigen::Vector3f(load<float>(p + x), load<float>(p + y), load<float>(p + z));
-    });
+    return collect_valid(
+        view, [x = layout.x.offset, y = layout.y.offset, z = layout.z.offset](const std::uint8_t* p) {
+          return Eigen::Vector3f(load<float>(p + x), load<float>(p + y), load<float>(p + z));
+        });
   }
   return collect_valid(view, [&layout](const std::uint8_t* p) {
-    return Eigen::Vector3f(load_as_float(p, layout.x), load_as_float(p, layout.y), load_as_float(p, layout.z));
+    return Eigen::Vector3f(load_as_float(p, layout.x), load_as_float(p, layout.y),
+                           load_as_float(p, layout.z));
   });
 }
 
@@ -155,7 +162,8 @@ Result<PointCloud2View> parse_point_cloud2(Bytes message) {
   view.data = reader.sized();
   (void)reader.number<std::uint8_t>();  // is_dense: drivers set it wrongly, every point is looked at
   if (!reader.at_end()) {
-    return make_error(ErrorCode::kInvalid, "message of {} bytes does not hold what it announces", message.size());
+    return make_error(ErrorCode::kInvalid, "message of {} bytes does not hold what it announces",
+                      message.size());
   }
   if (is_big_endian) return make_error(ErrorCode::kUnsupported, "big-endian point data are not supported");
   if (const Status status = check_sizes(view); !status.ok()) return status.error();
@@ -181,7 +189,8 @@ Result<std::vector<PointField>> parse_fields(Bytes fields) {
 Result<PointLayout> resolve_layout(const std::vector<PointField>& fields, std::uint32_t point_step,
                                    const std::string& time_field) {
   PointLayout layout;
-  for (auto [name, place] : {std::pair{"x", &layout.x}, std::pair{"y", &layout.y}, std::pair{"z", &layout.z}}) {
+  for (auto [name, place] :
+       {std::pair{"x", &layout.x}, std::pair{"y", &layout.y}, std::pair{"z", &layout.z}}) {
     const PointField* field = find_field(fields, name);
     if (field == nullptr) {
       return make_error(ErrorCode::kInvalid, "no point field {} (fields: {})", name, names_of(fields));
@@ -205,8 +214,8 @@ Result<PointLayout> resolve_layout(const std::vector<PointField>& fields, std::u
 }
 
 Status PointCloud2Decoder::update_layout(const PointCloud2View& view) {
-  if (view.point_step == layout_point_step_ && std::equal(view.fields.begin(), view.fields.end(),
-                                                          layout_fields_.begin(), layout_fields_.end())) {
+  if (view.point_step == layout_point_step_ &&
+      std::equal(view.fields.begin(), view.fields.end(), layout_fields_.begin(), layout_fields_.end())) {
     return {};
   }
   const auto fields = parse_fields(view.fields);
@@ -248,7 +257,8 @@ Result<LidarCloud> PointCloud2Decoder::decode(Bytes message) {
   return cloud;
 }
 
-std::optional<std::pair<double, double>> time_extremes(const PointCloud2View& view, const PointLayout& layout) {
+std::optional<std::pair<double, double>> time_extremes(const PointCloud2View& view,
+                                                       const PointLayout& layout) {
   if (view.num_points() == 0 || !layout.time) return std::nullopt;
   const auto times = read_column<double>(view.data.data(), valid_points(view, layout).offsets, *layout.time,
                                          [](auto value) { return static_cast<double>(value); });

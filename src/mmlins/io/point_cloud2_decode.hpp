@@ -45,8 +45,8 @@ struct PointLayout {
 
 /// Finds x, y, z and the optional fields by their usual names, and checks that they lie within a point.
 /// @param time_field  name of the time field; empty: none
-[[nodiscard]] Result<PointLayout> resolve_layout(const std::vector<PointField>& fields, std::uint32_t point_step,
-                                                 const std::string& time_field);
+[[nodiscard]] Result<PointLayout> resolve_layout(const std::vector<PointField>& fields,
+                                                 std::uint32_t point_step, const std::string& time_field);
 
 /// Decodes the messages of one topic.
 class PointCloud2Decoder {

@@ -19,15 +19,19 @@ namespace mmlins::io {
 [[nodiscard]] constexpr std::uint32_t size_of(FieldType type) {
   switch (type) {
     case FieldType::kInt8:
-    case FieldType::kUint8: return 1;
+    case FieldType::kUint8:
+      return 1;
     case FieldType::kInt16:
-    case FieldType::kUint16: return 2;
+    case FieldType::kUint16:
+      return 2;
     case FieldType::kInt32:
     case FieldType::kUint32:
-    case FieldType::kFloat32: return 4;
+    case FieldType::kFloat32:
+      return 4;
     case FieldType::kInt64:
     case FieldType::kUint64:
-    case FieldType::kFloat64: return 8;
+    case FieldType::kFloat64:
+      return 8;
   }
   return 0;
 }
@@ -43,23 +47,34 @@ template <typename Value>
 template <typename Body>
 void with_type(FieldType type, const Body& body) {
   switch (type) {
-    case FieldType::kInt8: return body(std::int8_t{});
-    case FieldType::kUint8: return body(std::uint8_t{});
-    case FieldType::kInt16: return body(std::int16_t{});
-    case FieldType::kUint16: return body(std::uint16_t{});
-    case FieldType::kInt32: return body(std::int32_t{});
-    case FieldType::kUint32: return body(std::uint32_t{});
-    case FieldType::kFloat32: return body(float{});
-    case FieldType::kFloat64: return body(double{});
-    case FieldType::kInt64: return body(std::int64_t{});
-    case FieldType::kUint64: return body(std::uint64_t{});
+    case FieldType::kInt8:
+      return body(std::int8_t{});
+    case FieldType::kUint8:
+      return body(std::uint8_t{});
+    case FieldType::kInt16:
+      return body(std::int16_t{});
+    case FieldType::kUint16:
+      return body(std::uint16_t{});
+    case FieldType::kInt32:
+      return body(std::int32_t{});
+    case FieldType::kUint32:
+      return body(std::uint32_t{});
+    case FieldType::kFloat32:
+      return body(float{});
+    case FieldType::kFloat64:
+      return body(double{});
+    case FieldType::kInt64:
+      return body(std::int64_t{});
+    case FieldType::kUint64:
+      return body(std::uint64_t{});
   }
 }
 
 /// The field of the points that begin at `offsets` [bytes] of `data`, each converted by `convert`.
 template <typename Out, typename Convert>
-[[nodiscard]] std::vector<Out> read_column(const std::uint8_t* data, const std::vector<std::uint32_t>& offsets,
-                                           const PointField& field, const Convert& convert) {
+[[nodiscard]] std::vector<Out> read_column(const std::uint8_t* data,
+                                           const std::vector<std::uint32_t>& offsets, const PointField& field,
+                                           const Convert& convert) {
   std::vector<Out> column(offsets.size());
   with_type(field.type, [&](auto type) {
     using Value = decltype(type);

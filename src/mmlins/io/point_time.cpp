@@ -71,22 +71,26 @@ double typical_distance(const std::vector<TimeFieldRange>& ranges, TimeUnit unit
 /// The unit in which a span looks most like that of a scan; units are a factor of 1000 apart.
 TimeUnit unit_from_span(double span, double expected) {
   const auto misfit = [&](TimeUnit unit) { return std::abs(std::log(span * seconds_per(unit) / expected)); };
-  return *std::min_element(kUnits.begin(), kUnits.end(), [&](auto a, auto b) { return misfit(a) < misfit(b); });
+  return *std::min_element(kUnits.begin(), kUnits.end(),
+                           [&](auto a, auto b) { return misfit(a) < misfit(b); });
 }
 
 /// The unit in which the times are closest to the stamps.
 TimeUnit unit_from_stamps(const std::vector<TimeFieldRange>& ranges) {
   const auto misfit = [&](TimeUnit unit) { return typical_distance(ranges, unit, TimeReference::kAbsolute); };
-  return *std::min_element(kUnits.begin(), kUnits.end(), [&](auto a, auto b) { return misfit(a) < misfit(b); });
+  return *std::min_element(kUnits.begin(), kUnits.end(),
+                           [&](auto a, auto b) { return misfit(a) < misfit(b); });
 }
 
 TimeUnit find_unit(const std::vector<TimeFieldRange>& ranges, FieldType type, const sensor::Rig& rig) {
   if (rig.time_unit != TimeUnit::kAuto) return rig.time_unit;
   if (const double span = median_span(ranges); span > 0.0) return unit_from_span(span, expected_span(ranges));
   const TimeUnit absolute = unit_from_stamps(ranges);
-  const bool is_zero = std::all_of(ranges.begin(), ranges.end(), [](const auto& range) { return range.max == 0.0; });
+  const bool is_zero =
+      std::all_of(ranges.begin(), ranges.end(), [](const auto& range) { return range.max == 0.0; });
   const double distance = typical_distance(ranges, absolute, TimeReference::kAbsolute);
-  if (rig.time_reference == TimeReference::kAbsolute || (!is_zero && distance < kLargestStampDistance)) return absolute;
+  if (rig.time_reference == TimeReference::kAbsolute || (!is_zero && distance < kLargestStampDistance))
+    return absolute;
   const bool is_float = type == FieldType::kFloat32 || type == FieldType::kFloat64;
   return is_float ? TimeUnit::kSeconds : TimeUnit::kNanoseconds;
 }
@@ -101,7 +105,8 @@ TimeOrigin find_origin(const std::vector<TimeFieldRange>& ranges, TimeUnit unit,
 }
 
 /// First and last time of the points after the stamp, medians over the scans. [s]
-std::pair<double, double> times_after_stamp(const std::vector<TimeFieldRange>& ranges, const PointTimeModel& model) {
+std::pair<double, double> times_after_stamp(const std::vector<TimeFieldRange>& ranges,
+                                            const PointTimeModel& model) {
   std::vector<double> first;
   std::vector<double> last;
   for (const auto& range : ranges) {
@@ -119,34 +124,42 @@ void place_stamp(PointTimeModel& model, const std::vector<TimeFieldRange>& range
   if (is_forced) model.stamp = rig.stamp_reference;
   if (model.origin == TimeOrigin::kOwnClock || ranges.empty()) return;
   const auto [first, last] = times_after_stamp(ranges, model);
-  const StampReference found = std::abs(last) < std::abs(first) ? StampReference::kEnd : StampReference::kStart;
+  const StampReference found =
+      std::abs(last) < std::abs(first) ? StampReference::kEnd : StampReference::kStart;
   if (!is_forced) model.stamp = found;
   if (!is_forced || model.stamp == found || model.origin == TimeOrigin::kEpoch) return;
-  model.shift = from_seconds(std::clamp(model.stamp == StampReference::kEnd ? -last : -first, -kLargestShift, kLargestShift));
+  model.shift = from_seconds(
+      std::clamp(model.stamp == StampReference::kEnd ? -last : -first, -kLargestShift, kLargestShift));
 }
 
 }  // namespace
 
 std::int64_t nanoseconds_per(TimeUnit unit) {
   switch (unit) {
-    case TimeUnit::kMilliseconds: return 1'000'000;
-    case TimeUnit::kMicroseconds: return 1'000;
-    case TimeUnit::kNanoseconds: return 1;
+    case TimeUnit::kMilliseconds:
+      return 1'000'000;
+    case TimeUnit::kMicroseconds:
+      return 1'000;
+    case TimeUnit::kNanoseconds:
+      return 1;
     case TimeUnit::kSeconds:
-    case TimeUnit::kAuto: break;
+    case TimeUnit::kAuto:
+      break;
   }
   return 1'000'000'000;
 }
 
 Result<std::string> find_time_field(const std::vector<PointField>& fields, const sensor::Rig& rig) {
   const auto has = [&fields](std::string_view name) {
-    return std::any_of(fields.begin(), fields.end(), [name](const auto& field) { return field.name == name; });
+    return std::any_of(fields.begin(), fields.end(),
+                       [name](const auto& field) { return field.name == name; });
   };
   if (!rig.time_field.empty()) {
     if (has(rig.time_field)) return rig.time_field;
     std::string names;
     for (const PointField& field : fields) names += (names.empty() ? "" : ", ") + field.name;
-    return make_error(ErrorCode::kInvalid, "the points have no field {} (fields: {}); correct time_field in the rig",
+    return make_error(ErrorCode::kInvalid,
+                      "the points have no field {} (fields: {}); correct time_field in the rig",
                       rig.time_field, names);
   }
   for (const std::string_view name : kTimeFields) {
@@ -155,8 +168,8 @@ Result<std::string> find_time_field(const std::vector<PointField>& fields, const
   return std::string();
 }
 
-PointTimeModel find_time_model(const std::string& field, FieldType type, const std::vector<TimeFieldRange>& ranges,
-                               const sensor::Rig& rig) {
+PointTimeModel find_time_model(const std::string& field, FieldType type,
+                               const std::vector<TimeFieldRange>& ranges, const sensor::Rig& rig) {
   PointTimeModel model;
   model.field = field;
   if (field.empty()) return model;

@@ -43,7 +43,8 @@ struct TimeFieldRange {
 
 /// The name of the field that holds the time: that of the rig, or one of the usual names, or empty.
 /// Errors: the rig names a field that does not exist, or one that is not a single number.
-[[nodiscard]] Result<std::string> find_time_field(const std::vector<PointField>& fields, const sensor::Rig& rig);
+[[nodiscard]] Result<std::string> find_time_field(const std::vector<PointField>& fields,
+                                                  const sensor::Rig& rig);
 
 /// Unit, origin and place of the stamp. What the rig says is taken; the rest is found out:
 /// the unit from the span, which must be about one scan period; the origin by whether the values are
@@ -51,6 +52,7 @@ struct TimeFieldRange {
 /// @param ranges  of consecutive scans that have points
 /// @param type    of the field: decides the unit if all times are the same
 [[nodiscard]] PointTimeModel find_time_model(const std::string& field, FieldType type,
-                                             const std::vector<TimeFieldRange>& ranges, const sensor::Rig& rig);
+                                             const std::vector<TimeFieldRange>& ranges,
+                                             const sensor::Rig& rig);
 
 }  // namespace mmlins::io

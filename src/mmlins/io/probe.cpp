@@ -92,7 +92,8 @@ Result<ScanSamples> sample_scans(Rosbag1Reader& reader, std::size_t topic, const
     if (!status.ok() && !first_error) first_error = status.error();
   }
   if (samples.stamps.empty() && first_error) {
-    return make_error(first_error->code, "{}: topic {}: {}", reader.path(), chosen.name, first_error->message);
+    return make_error(first_error->code, "{}: topic {}: {}", reader.path(), chosen.name,
+                      first_error->message);
   }
   return samples;
 }
@@ -114,12 +115,14 @@ FieldType type_of(const std::vector<PointField>& fields, const std::string& name
 
 AccelUnit find_accel_unit(double norm, const std::string& topic, const sensor::Rig& rig) {
   if (rig.accel_unit != AccelUnit::kAuto) return rig.accel_unit;
-  const AccelUnit unit = norm < kAccelUnitLimit ? AccelUnit::kStandardGravity : AccelUnit::kMetresPerSecondSquared;
+  const AccelUnit unit =
+      norm < kAccelUnitLimit ? AccelUnit::kStandardGravity : AccelUnit::kMetresPerSecondSquared;
   const double in_g = unit == AccelUnit::kStandardGravity ? norm : norm / 9.80665;
   if (in_g < 0.7 || in_g > 1.5) {
-    log::warning("{}: the first accelerations are {:.3f} long, neither 1 g nor 9.81 m/s^2; taken as {}; "
-                 "set accel_unit in the rig if that is wrong",
-                 topic, norm, unit == AccelUnit::kStandardGravity ? "g" : "m/s^2");
+    log::warning(
+        "{}: the first accelerations are {:.3f} long, neither 1 g nor 9.81 m/s^2; taken as {}; "
+        "set accel_unit in the rig if that is wrong",
+        topic, norm, unit == AccelUnit::kStandardGravity ? "g" : "m/s^2");
   }
   return unit;
 }
@@ -141,7 +144,8 @@ Result<LidarInfo> probe_lidar(Rosbag1Reader& reader, std::size_t topic, const se
     sensor::Rig livox = rig;  // the message defines unit and origin
     livox.time_unit = sensor::TimeUnit::kNanoseconds;
     livox.time_reference = sensor::TimeReference::kRelative;
-    info.time = find_time_model(std::string(kLivoxTimeField), FieldType::kUint32, samples->time_ranges, livox);
+    info.time =
+        find_time_model(std::string(kLivoxTimeField), FieldType::kUint32, samples->time_ranges, livox);
     return info;
   }
   const auto time_field = find_time_field(info.fields, rig);

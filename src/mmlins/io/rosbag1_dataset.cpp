@@ -16,7 +16,8 @@ constexpr double kStandardGravity = 9.80665;  // [m/s^2]
 
 }  // namespace
 
-Rosbag1Dataset::Rosbag1Dataset(Rosbag1Reader reader, const LidarInfo& lidar, const ImuInfo& imu, Duration lidar_offset)
+Rosbag1Dataset::Rosbag1Dataset(Rosbag1Reader reader, const LidarInfo& lidar, const ImuInfo& imu,
+                               Duration lidar_offset)
     : reader_(std::move(reader)),
       lidar_topic_(lidar.topic),
       is_livox_(is_livox_type(lidar.type)),

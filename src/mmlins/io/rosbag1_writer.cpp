@@ -21,19 +21,21 @@ MessageType point_cloud2_type() {
           std::string("Header header\nuint32 height\nuint32 width\nPointField[] fields\nbool is_bigendian\n"
                       "uint32 point_step\nuint32 row_step\nuint8[] data\nbool is_dense\n") +
               kSeparator + kHeaderDefinition + kSeparator +
-              "MSG: sensor_msgs/PointField\nuint8 INT8=1\nuint8 UINT8=2\nuint8 INT16=3\nuint8 UINT16=4\nuint8 INT32=5\n"
+              "MSG: sensor_msgs/PointField\nuint8 INT8=1\nuint8 UINT8=2\nuint8 INT16=3\nuint8 "
+              "UINT16=4\nuint8 INT32=5\n"
               "uint8 UINT32=6\nuint8 FLOAT32=7\nuint8 FLOAT64=8\nstring name\nuint32 offset\nuint8 datatype\n"
               "uint32 count\n"};
 }
 
 MessageType imu_type() {
-  return {std::string(kImuType), "6a62c6daae103f4ff57a132d6f95cec2",
-          std::string("Header header\ngeometry_msgs/Quaternion orientation\nfloat64[9] orientation_covariance\n"
-                      "geometry_msgs/Vector3 angular_velocity\nfloat64[9] angular_velocity_covariance\n"
-                      "geometry_msgs/Vector3 linear_acceleration\nfloat64[9] linear_acceleration_covariance\n") +
-              kSeparator + kHeaderDefinition + kSeparator +
-              "MSG: geometry_msgs/Quaternion\nfloat64 x\nfloat64 y\nfloat64 z\nfloat64 w\n" + kSeparator +
-              "MSG: geometry_msgs/Vector3\nfloat64 x\nfloat64 y\nfloat64 z\n"};
+  return {
+      std::string(kImuType), "6a62c6daae103f4ff57a132d6f95cec2",
+      std::string("Header header\ngeometry_msgs/Quaternion orientation\nfloat64[9] orientation_covariance\n"
+                  "geometry_msgs/Vector3 angular_velocity\nfloat64[9] angular_velocity_covariance\n"
+                  "geometry_msgs/Vector3 linear_acceleration\nfloat64[9] linear_acceleration_covariance\n") +
+          kSeparator + kHeaderDefinition + kSeparator +
+          "MSG: geometry_msgs/Quaternion\nfloat64 x\nfloat64 y\nfloat64 z\nfloat64 w\n" + kSeparator +
+          "MSG: geometry_msgs/Vector3\nfloat64 x\nfloat64 y\nfloat64 z\n"};
 }
 
 /// The columns that are written, and the size of a point with them. [bytes]
@@ -59,7 +61,8 @@ void store(std::uint8_t* place, Value value) {
   std::memcpy(place, &value, sizeof(Value));
 }
 
-void append_points(std::vector<std::uint8_t>& buffer, const sensor::LidarScan& scan, std::uint32_t point_step) {
+void append_points(std::vector<std::uint8_t>& buffer, const sensor::LidarScan& scan,
+                   std::uint32_t point_step) {
   std::size_t place = buffer.size();
   buffer.resize(place + scan.size() * point_step);
   for (std::size_t i = 0; i < scan.size(); ++i, place += point_step) {
@@ -95,8 +98,8 @@ Result<RosbagWriter> RosbagWriter::create(const std::string& path) {
   return RosbagWriter(std::move(*writer));
 }
 
-Status RosbagWriter::write_scan(const std::string& topic, const std::string& frame_id, const sensor::LidarScan& scan,
-                                Time record_time) {
+Status RosbagWriter::write_scan(const std::string& topic, const std::string& frame_id,
+                                const sensor::LidarScan& scan, Time record_time) {
   MMLINS_CHECK(scan.offsets.size() == scan.size());
   MMLINS_CHECK(scan.intensities.empty() || scan.intensities.size() == scan.size());
   MMLINS_CHECK(scan.rings.empty() || scan.rings.size() == scan.size());
@@ -124,8 +127,8 @@ Status RosbagWriter::write_scan(const std::string& topic, const std::string& fra
   return writer_.write(topic, point_cloud2_type(), record_time, buffer_.data(), buffer_.size());
 }
 
-Status RosbagWriter::write_imu(const std::string& topic, const std::string& frame_id, const sensor::ImuSample& sample,
-                               Time record_time) {
+Status RosbagWriter::write_imu(const std::string& topic, const std::string& frame_id,
+                               const sensor::ImuSample& sample, Time record_time) {
   if (const Status status = check_stamp(topic, sample.time); !status.ok()) return status;
   buffer_.clear();
   ByteWriter writer(buffer_);

@@ -10,9 +10,12 @@ namespace {
 /// The time at which the time field is zero.
 Time zero_of_field(const PointTimeModel& model, Time stamp, std::int64_t first, std::int64_t last) {
   switch (model.origin) {
-    case TimeOrigin::kStamp: return stamp + model.shift;
-    case TimeOrigin::kEpoch: return Time{} + model.shift;
-    case TimeOrigin::kOwnClock: break;
+    case TimeOrigin::kStamp:
+      return stamp + model.shift;
+    case TimeOrigin::kEpoch:
+      return Time{} + model.shift;
+    case TimeOrigin::kOwnClock:
+      break;
   }
   return stamp - Duration(model.stamp == sensor::StampReference::kEnd ? last : first);
 }

@@ -19,11 +19,13 @@ struct Kind {
 };
 
 constexpr Kind kLidar{"LiDAR", "sensor_msgs/PointCloud2 or Livox CustomMsg", "lidar_topic", is_lidar_type};
-constexpr Kind kImu{"IMU", "sensor_msgs/Imu", "imu_topic", [](std::string_view type) { return type == kImuType; }};
+constexpr Kind kImu{"IMU", "sensor_msgs/Imu", "imu_topic",
+                    [](std::string_view type) { return type == kImuType; }};
 
 std::string list_of(const std::vector<BagTopic>& topics, const std::vector<std::size_t>& chosen) {
   std::string list;
-  for (const std::size_t i : chosen) list += (list.empty() ? "" : ", ") + topics[i].name + " (" + topics[i].type + ")";
+  for (const std::size_t i : chosen)
+    list += (list.empty() ? "" : ", ") + topics[i].name + " (" + topics[i].type + ")";
   return list.empty() ? "nothing" : list;
 }
 
@@ -40,12 +42,13 @@ Result<std::size_t> choose(const Rosbag1Reader& reader, const Kind& kind, const 
   }
   if (all.empty()) return make_error(ErrorCode::kInvalid, "{}: the bag holds no messages", reader.path());
   if (candidates.empty()) {
-    return make_error(ErrorCode::kInvalid, "{}: no {} topic (type {}); the bag holds {}", reader.path(), kind.sensor,
-                      kind.types, list_of(topics, all));
+    return make_error(ErrorCode::kInvalid, "{}: no {} topic (type {}); the bag holds {}", reader.path(),
+                      kind.sensor, kind.types, list_of(topics, all));
   }
   if (!wanted.empty()) {
-    return make_error(ErrorCode::kNotFound, "{}: no messages of the {} topic {}; set {} in the rig to one of: {}",
-                      reader.path(), kind.sensor, wanted, kind.rig_key, list_of(topics, candidates));
+    return make_error(ErrorCode::kNotFound,
+                      "{}: no messages of the {} topic {}; set {} in the rig to one of: {}", reader.path(),
+                      kind.sensor, wanted, kind.rig_key, list_of(topics, candidates));
   }
   if (candidates.size() > 1) {
     return make_error(ErrorCode::kInvalid, "{}: {} {} topics; set {} in the rig to one of: {}", reader.path(),

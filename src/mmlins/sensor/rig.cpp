@@ -8,7 +8,7 @@ namespace mmlins::sensor {
 Fields Rig::fields() {
   return {
       field("lidar_model", lidar_model, "free text, for people"),
-      field("lidar_topic", lidar_topic, "topic of the point clouds; empty: the only one, or the busiest"),
+      field("lidar_topic", lidar_topic, "topic of the point clouds; empty: the only one"),
       field("imu_topic", imu_topic, "topic of the inertial sensor; empty: the only one"),
       field("p_imu_lidar", p_imu_lidar, "m", {-100.0, 100.0}, "origin of the LiDAR in the IMU frame"),
       field("q_imu_lidar_xyzw", q_imu_lidar_xyzw, "", {-1.0, 1.0},

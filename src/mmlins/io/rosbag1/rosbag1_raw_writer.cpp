@@ -105,7 +105,8 @@ Status Rosbag1RawWriter::write(const std::string& topic, const MessageType& type
     return make_error(ErrorCode::kInvalid, "{}: {}: record time {} ns does not fit into a bag (1970 to 2106)",
                       impl_->path, topic, ns);
   }
-  const ros::Time time(static_cast<std::uint32_t>(ns / 1'000'000'000), static_cast<std::uint32_t>(ns % 1'000'000'000));
+  const ros::Time time(static_cast<std::uint32_t>(ns / 1'000'000'000),
+                       static_cast<std::uint32_t>(ns % 1'000'000'000));
   try {
     impl_->bag.write(topic, time, RawContent{&type, data, size});
   } catch (const std::exception& exception) {

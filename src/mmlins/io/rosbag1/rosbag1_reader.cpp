@@ -75,7 +75,8 @@ Status check_is_bag(const std::string& path) {
 }
 
 Error damaged(const std::string& path, const char* what) {
-  return make_error(ErrorCode::kInvalid, "{}: damaged or truncated ({}); try: rosbag reindex {}", path, what, path);
+  return make_error(ErrorCode::kInvalid, "{}: damaged or truncated ({}); try: rosbag reindex {}", path, what,
+                    path);
 }
 
 using ConnectionQuery = std::function<bool(const rosbag::ConnectionInfo*)>;
@@ -105,7 +106,8 @@ Result<Rosbag1Reader> Rosbag1Reader::open(const std::string& path) {
       connections[{connection->topic, connection->datatype}].push_back(connection);
     }
     for (const auto& [topic, members] : connections) {
-      for (const auto* connection : members) impl->topic_of_connection[&connection->topic] = impl->topics.size();
+      for (const auto* connection : members)
+        impl->topic_of_connection[&connection->topic] = impl->topics.size();
       const ConnectionQuery is_member = [&list = members](const rosbag::ConnectionInfo* connection) {
         return std::find(list.begin(), list.end(), connection) != list.end();
       };
@@ -113,7 +115,8 @@ Result<Rosbag1Reader> Rosbag1Reader::open(const std::string& path) {
     }
   } catch (const rosbag::BagUnindexedException&) {
     return make_error(ErrorCode::kInvalid,
-                      "{}: the bag has no index, its recording was not finished; try: rosbag reindex {}", path, path);
+                      "{}: the bag has no index, its recording was not finished; try: rosbag reindex {}",
+                      path, path);
   } catch (const std::exception& exception) {
     return damaged(path, exception.what());
   }
@@ -171,7 +174,8 @@ Result<std::optional<RawMessage>> Rosbag1Reader::next() {
     message.write(stream);
     impl_->at_message = true;
     return std::optional<RawMessage>(RawMessage{impl_->topic_of_connection.at(&message.getTopic()),
-                                                to_time(message.getTime()), impl_->buffer.data(), stream.size()});
+                                                to_time(message.getTime()), impl_->buffer.data(),
+                                                stream.size()});
   } catch (const std::exception& exception) {
     impl_->position = impl_->view->end();
     return damaged(impl_->path, exception.what());
