@@ -28,11 +28,13 @@ class Bvh {
 
  private:
   struct Node {
-    Eigen::AlignedBox3d bounds;
-    int first = 0;  // leaf: first shape; inner node: its right child, the left one is the next node
-    int count = 0;  // number of shapes of a leaf; 0 for an inner node
-    int axis = 0;   // along which the children are separated
+    Eigen::Array4f min, max;  // a little larger than the content, because single precision rounds [m]
+    int first = 0;            // leaf: first shape; inner node: its right child, the left one is the next node
+    int count = 0;            // number of shapes of a leaf; 0 for an inner node
+    int axis = 0;             // along which the children are separated
   };
+  struct FlatRay;
+  [[nodiscard]] static float entry_range(const Node& node, const FlatRay& ray);
   void build(int first, int count);
 
   std::vector<Shape> shapes_;

@@ -13,7 +13,6 @@ namespace mmlins::sim {
 
 namespace {
 
-using math::SE3;
 using math::Vector3d;
 
 constexpr std::size_t kGrain = 512;  // beams per piece of parallel work
@@ -25,15 +24,27 @@ constexpr double kSureReflectivity = 0.1;
 constexpr double kSureRangeShare = 0.4;
 constexpr float kFullIntensity = 255.0F;
 
-SE3 carried_on(const Kinematics& at, double dt) {
-  return {at.T_world_imu.R * math::so3_exp(at.angular_rate_imu * dt),
-          at.T_world_imu.t + dt * at.velocity_world + (0.5 * dt * dt) * at.acceleration_world};
+// Rotates by a small rotation vector; the term left out, |w|^3 / 6, stays below 1e-11.
+Vector3d rotated(const Vector3d& w, const Vector3d& v) {
+  const Vector3d turned = w.cross(v);
+  return v + turned + 0.5 * w.cross(turned);
+}
+
+// The shot of a sensor at `dt` seconds after the kinematics.
+Ray ray_after(const Kinematics& at, double dt, const Vector3d& p_imu_lidar, const Vector3d& direction_imu) {
+  const Vector3d turn = dt * at.angular_rate_imu;
+  const Vector3d p_world_imu = at.T_world_imu.t + dt * at.velocity_world + (0.5 * dt * dt) * at.acceleration_world;
+  return {p_world_imu + at.T_world_imu.R * rotated(turn, p_imu_lidar), at.T_world_imu.R * rotated(turn, direction_imu)};
 }
 
 }  // namespace
 
 LidarModel::LidarModel(const LidarConfig& config, std::uint64_t seed)
-    : config_(config), seed_(seed), T_imu_lidar_(config.T_imu_lidar()), pattern_(make_pattern(config, seed)) {}
+    : config_(config),
+      seed_(seed),
+      T_imu_lidar_(config.T_imu_lidar()),
+      min_cos_incidence_(std::cos(config.max_incidence_deg * std::numbers::pi / 180.0)),
+      pattern_(make_pattern(config, seed)) {}
 
 Duration LidarModel::period() const { return from_seconds(1.0 / config_.rate_hz); }
 
@@ -71,8 +82,9 @@ std::vector<LidarModel::Return> LidarModel::shoot(const World& world, const Moti
         anchor_time = beams[i].time + (i == begin ? Duration{0} : kPoseInterval / 2);
         anchor = motion.at(to_seconds(anchor_time));
       }
-      const SE3 T_world_lidar = carried_on(anchor, to_seconds(beams[i].time - anchor_time)) * T_imu_lidar_;
-      returns[i] = measure(world, {T_world_lidar.t, T_world_lidar.R * beams[i].direction}, beams[i]);
+      const double dt = to_seconds(beams[i].time - anchor_time);
+      const Vector3d direction_imu = T_imu_lidar_.R * beams[i].direction;
+      returns[i] = measure(world, ray_after(anchor, dt, T_imu_lidar_.t, direction_imu), beams[i]);
     }
   });
   return returns;
@@ -85,7 +97,7 @@ LidarModel::Return LidarModel::measure(const World& world, const Ray& ray, const
   // Every shot has random numbers of its own: no result depends on which thread does what.
   Random random(sub_seed(seed_, static_cast<std::uint64_t>(beam.time.count()) * 128 + beam.ring));
   const double cos_incidence = -hit->normal.dot(ray.direction);
-  if (cos_incidence < std::cos(config_.max_incidence_deg * std::numbers::pi / 180.0)) return {};
+  if (cos_incidence < min_cos_incidence_) return {};
   const double sure_range = kSureRangeShare * farthest / hit->range;
   const double strength = hit->reflectivity * cos_incidence / kSureReflectivity * sure_range * sure_range;
   const bool dropped = random.chance(config_.dropout) || random.uniform() > config_.point_share;

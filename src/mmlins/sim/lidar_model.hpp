@@ -75,6 +75,7 @@ class LidarModel {
   LidarConfig config_;
   std::uint64_t seed_;
   math::SE3 T_imu_lidar_;
+  double min_cos_incidence_;
   std::unique_ptr<ScanPattern> pattern_;
 };
 

@@ -12,6 +12,13 @@ namespace {
 // differentiable across periods, and ten times cheaper. Its mean and its deviation:
 constexpr double kWaveMean = 8.0 / 15.0;
 constexpr double kWaveDeviation = 0.34917;
+
+// Without a call into the library, which the baseline instruction set would need. |x| < 2^31.
+double floor_of(double x) {
+  const auto toward_zero = static_cast<double>(static_cast<int>(x));
+  return toward_zero > x ? toward_zero - 1.0 : toward_zero;
+}
+
 }  // namespace
 
 Relief::Relief(const Config& config, std::uint64_t seed)
@@ -28,16 +35,17 @@ Relief::Relief(const Config& config, std::uint64_t seed)
 }
 
 Bump Relief::at(const Eigen::Vector3d& p) const {
-  Bump bump;
-  if (amplitude_ == 0.0) return bump;
+  if (amplitude_ == 0.0) return {};
+  double height = 0.0;
+  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
   for (const Wave& wave : waves_) {
     const double turns = wave.frequency.dot(p) + wave.phase;
-    const double u = turns - std::floor(turns);
+    const double u = turns - floor_of(turns);
     const double v = u * (1.0 - u);
-    bump.height += amplitude_ * (16.0 * v * v - kWaveMean);
-    bump.gradient += (amplitude_ * 32.0 * v * (1.0 - 2.0 * u)) * wave.frequency;
+    height += 16.0 * v * v - kWaveMean;
+    gradient += (32.0 * v * (1.0 - 2.0 * u)) * wave.frequency;
   }
-  return bump;
+  return {amplitude_ * height, amplitude_ * gradient};
 }
 
 }  // namespace mmlins::sim

@@ -31,7 +31,7 @@ class Relief {
   [[nodiscard]] Bump at(const Eigen::Vector3d& p) const;
 
  private:
-  static constexpr std::size_t kNumWaves = 5;
+  static constexpr std::size_t kNumWaves = 4;
   struct Wave {
     Eigen::Vector3d frequency = Eigen::Vector3d::Zero();  ///< [1/m]
     double phase = 0.0;                                   ///< [turns]

@@ -19,6 +19,12 @@ Vector3d direction_of(double azimuth, double elevation) {
   return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation)};
 }
 
+// The same for a laser of fixed elevation.
+Vector3d turned_to(double azimuth, const Vector3d& at_azimuth_zero) {
+  const double across = at_azimuth_zero.x();
+  return {across * std::cos(azimuth), across * std::sin(azimuth), at_azimuth_zero.z()};
+}
+
 // Number of the first tick of a clock with the given period at or after `time`.
 std::int64_t first_tick(Duration time, Duration period) {
   return (time.count() + period.count() - 1) / period.count();
@@ -37,7 +43,9 @@ std::vector<std::uint16_t> rings_by_elevation(const std::vector<double>& elevati
 class Spinning : public ScanPattern {
  public:
   Spinning(const SpinningTable& table, double rotor_hz, double phase)
-      : table_(table), rings_(rings_by_elevation(table.elevations_deg)), rotor_hz_(rotor_hz), phase_(phase) {}
+      : table_(table), rings_(rings_by_elevation(table.elevations_deg)), rotor_hz_(rotor_hz), phase_(phase) {
+    for (const double elevation : table.elevations_deg) lasers_.push_back(direction_of(0.0, elevation * kRadPerDeg));
+  }
 
   std::vector<Beam> beams(Duration begin, Duration end) const override {
     std::vector<Beam> beams;
@@ -46,7 +54,7 @@ class Spinning : public ScanPattern {
       const Duration column_time = column * table_.between_columns;
       for (std::size_t laser = 0; laser < table_.elevations_deg.size(); ++laser) {
         const Duration time = column_time + static_cast<std::int64_t>(laser) * table_.between_lasers;
-        beams.push_back({time, direction_of(azimuth(time, laser), table_.elevations_deg[laser] * kRadPerDeg), rings_[laser]});
+        beams.push_back({time, turned_to(azimuth(time, laser), lasers_[laser]), rings_[laser]});
       }
     }
     return beams;
@@ -62,6 +70,7 @@ class Spinning : public ScanPattern {
 
   SpinningTable table_;
   std::vector<std::uint16_t> rings_;
+  std::vector<Vector3d> lasers_;  // directions at azimuth 0
   double rotor_hz_;
   double phase_;  // [turns]
 };

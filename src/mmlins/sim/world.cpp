@@ -15,7 +15,8 @@ constexpr int kGround = 0;  // surface number; those of shapes follow
 constexpr double kGroundReflectivity = 0.25;
 // Of the search for the uneven surface next to the even one.
 constexpr int kMaxSteps = 6;
-constexpr double kPrecision = 1e-6;  // [m]
+// One last step from here leaves an error of its square times half the curvature, below 1e-8 m.
+constexpr double kCloseEnough = 1e-4;  // [m]
 constexpr double kMinSlope = 0.02;   // rays more grazing than this see no defined surface
 
 }  // namespace
@@ -41,13 +42,11 @@ std::optional<Hit> ShapeWorld::cast(const Ray& ray, double max_range) const {
     const Implicit f = implicit(ray.origin + range * ray.direction, surface);
     const double slope = f.gradient.dot(ray.direction);
     if (slope > -kMinSlope) return std::nullopt;
-    if (std::abs(f.value) < kPrecision) {
-      const double reflectivity = surface == kGround ? kGroundReflectivity
-                                                     : bvh_.shapes()[static_cast<std::size_t>(shape_hit->shape)].reflectivity;
-      if (range <= 0.0 || range > max_range) return std::nullopt;
-      return Hit{range, f.gradient.normalized(), reflectivity, surface};
-    }
     range -= f.value / slope;
+    if (std::abs(f.value) < kCloseEnough) {
+      if (range <= 0.0 || range > max_range) return std::nullopt;
+      return Hit{range, f.gradient.normalized(), reflectivity(surface), surface};
+    }
   }
   return std::nullopt;
 }
@@ -61,6 +60,11 @@ ShapeWorld::Implicit ShapeWorld::implicit(const math::Vector3d& p, int surface) 
   const auto shape = static_cast<std::size_t>((surface - 1) / kFacesPerShape);
   const FaceDistance even = distance_to_face(bvh_.shapes()[shape], (surface - 1) % kFacesPerShape, p);
   return {even.distance - bump.height, even.normal - bump.gradient};
+}
+
+double ShapeWorld::reflectivity(int surface) const {
+  if (surface == kGround) return kGroundReflectivity;
+  return bvh_.shapes()[static_cast<std::size_t>((surface - 1) / kFacesPerShape)].reflectivity;
 }
 
 double ShapeWorld::distance(const math::Vector3d& p, int surface) const {

@@ -66,6 +66,7 @@ class ShapeWorld : public World {
     double value;
     math::Vector3d gradient;
   };
+  [[nodiscard]] double reflectivity(int surface) const;
   [[nodiscard]] Implicit implicit(const math::Vector3d& p, int surface) const;
 
   Bvh bvh_;
