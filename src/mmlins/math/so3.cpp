@@ -7,7 +7,7 @@
 namespace mmlins::math {
 namespace {
 // Below this angle [rad] the closed forms lose digits and their series are exact to machine precision.
-constexpr double kSmallAngle = 1e-4;
+constexpr double kSmallAngle = 1e-5;
 }  // namespace
 
 Matrix3d skew(const Vector3d& a) {
@@ -43,7 +43,9 @@ Matrix3d so3_right_jacobian(const Vector3d& w) {
   const Matrix3d W = skew(w);
   if (angle2 < kSmallAngle * kSmallAngle) return Matrix3d::Identity() - 0.5 * W + W * W / 6.0;
   const double angle = std::sqrt(angle2);
-  return Matrix3d::Identity() - (1.0 - std::cos(angle)) / angle2 * W +
+  // 1 - cos(angle) without its cancellation.
+  const double sinc_half = std::sin(0.5 * angle) / (0.5 * angle);
+  return Matrix3d::Identity() - 0.5 * sinc_half * sinc_half * W +
          (angle - std::sin(angle)) / (angle2 * angle) * W * W;
 }
 

@@ -45,12 +45,12 @@ math::SE3 Rig::T_imu_lidar() const {
 Status validate(const Rig& rig, const std::string& source) {
   const auto& q = rig.q_imu_lidar_xyzw;
   const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-  if (std::abs(norm - 1.0) > 1e-2) {
+  if (!(std::abs(norm - 1.0) <= 1e-2)) {
     return make_error(ErrorCode::kInvalid,
                       "{}: q_imu_lidar_xyzw has length {:.4f} and is no rotation; give a unit quaternion in the order x y z w",
                       source, norm);
   }
-  if (rig.min_range >= rig.max_range) {
+  if (!(rig.min_range < rig.max_range)) {
     return make_error(ErrorCode::kInvalid, "{}: min_range ({} m) must be below max_range ({} m)", source, rig.min_range,
                       rig.max_range);
   }
