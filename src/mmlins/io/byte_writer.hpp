@@ -2,8 +2,9 @@
 #pragma once
 // Builds serialised ROS 1 messages: the counterpart of byte_reader.hpp.
 
+#include <array>
+#include <bit>
 #include <cstdint>
-#include <cstring>
 #include <string_view>
 #include <vector>
 
@@ -18,9 +19,9 @@ class ByteWriter {
 
   template <typename Number>
   void number(Number value) {
-    const std::size_t size = buffer_.size();
-    buffer_.resize(size + sizeof(Number));
-    std::memcpy(buffer_.data() + size, &value, sizeof(Number));
+    for (const std::uint8_t byte : std::bit_cast<std::array<std::uint8_t, sizeof(Number)>>(value)) {
+      buffer_.push_back(byte);
+    }
   }
   void text(std::string_view text) {
     number(static_cast<std::uint32_t>(text.size()));

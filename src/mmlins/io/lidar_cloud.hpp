@@ -20,7 +20,10 @@ struct LidarCloud {
   int num_invalid = 0;              ///< not finite, or at the origin
 };
 
-/// Times beyond this cannot come from a clock, and sums of two of them must not overflow. [ns]
+/// Times beyond this cannot come from a clock, and sums with a stamp must not overflow. [ns]
 inline constexpr std::int64_t kMaxPointTime = 4'500'000'000'000'000'000;
+
+/// Takes out the points with a time outside of [first, last] [ns], and counts them as invalid.
+void drop_outside(LidarCloud& cloud, std::int64_t first, std::int64_t last);
 
 }  // namespace mmlins::io

@@ -118,25 +118,6 @@ ValidPoints valid_points(const PointCloud2View& view, const PointLayout& layout)
   });
 }
 
-/// Takes out the points whose time is not a number.
-void drop_invalid_times(LidarCloud& cloud) {
-  if (std::find(cloud.times.begin(), cloud.times.end(), kInvalidTime) == cloud.times.end()) return;
-  const auto keep = [&times = cloud.times](auto& column) {
-    if (column.empty()) return;
-    std::size_t size = 0;
-    for (std::size_t i = 0; i < times.size(); ++i) {
-      if (times[i] != kInvalidTime) column[size++] = column[i];
-    }
-    column.resize(size);
-  };
-  keep(cloud.points);
-  keep(cloud.intensities);
-  keep(cloud.rings);
-  const std::size_t num_before = cloud.times.size();
-  std::erase(cloud.times, kInvalidTime);
-  cloud.num_invalid += static_cast<int>(num_before - cloud.times.size());
-}
-
 std::uint16_t to_ring(double value) {
   return value >= 0.0 && value <= 65535.0 ? static_cast<std::uint16_t>(value) : std::uint16_t{0};
 }
@@ -253,7 +234,9 @@ Result<LidarCloud> PointCloud2Decoder::decode(Bytes message) {
   }
   cloud.num_invalid = static_cast<int>(view.num_points() - valid.points.size());
   cloud.points = std::move(valid.points);
-  drop_invalid_times(cloud);
+  if (std::find(cloud.times.begin(), cloud.times.end(), kInvalidTime) != cloud.times.end()) {
+    drop_outside(cloud, -kMaxPointTime, kMaxPointTime);
+  }
   return cloud;
 }
 

@@ -8,6 +8,8 @@
 
 namespace mmlins::io {
 
+/// Points whose time lies more than a few seconds from that of the others are dropped and counted as
+/// invalid: some drivers leave the time of some points at zero.
 /// @param time_offset  added to all times: from the clock of the LiDAR to that of the IMU
 [[nodiscard]] sensor::LidarScan to_scan(LidarCloud cloud, const PointTimeModel& model, Duration time_offset);
 
