@@ -97,7 +97,8 @@ Result<Written> write_bag(const std::string& path, sim::Simulation& simulation, 
     const auto item = simulation.next();
     if (!item) return item.error();
     if (std::holds_alternative<sensor::EndOfData>(*item)) break;
-    if (const Status status = write_item(*bag, rig, *item, simulation.record_time(), written); !status) return status.error();
+    if (const Status status = write_item(*bag, rig, *item, simulation.record_time(), written); !status)
+      return status.error();
     if (interrupted) return make_error(ErrorCode::kInterrupted, "interrupted; {} was not written", path);
     progress.show(simulation.progress());
   }
@@ -105,19 +106,23 @@ Result<Written> write_bag(const std::string& path, sim::Simulation& simulation, 
   return written;
 }
 
-Status write_descriptions(const fs::path& out, const sim::Simulation& simulation, sim::SimulationConfig& config) {
+Status write_descriptions(const fs::path& out, const sim::Simulation& simulation,
+                          sim::SimulationConfig& config) {
   sensor::Rig rig = simulation.rig();
-  if (const Status status = write_text_file((out / "rig.yaml").string(), config::to_yaml(rig.fields(), true)); !status) {
+  if (const Status status = write_text_file((out / "rig.yaml").string(), config::to_yaml(rig.fields(), true));
+      !status) {
     return status;
   }
-  if (const Status status = write_text_file((out / "scenario.yaml").string(), config::to_yaml(config.fields(), true));
+  if (const Status status =
+          write_text_file((out / "scenario.yaml").string(), config::to_yaml(config.fields(), true));
       !status) {
     return status;
   }
   return eval::write_tum((out / "truth.tum").string(), simulation.truth(kTruthRate));
 }
 
-Result<Written> simulate_into(const fs::path& out, sim::SimulationConfig& config, SimulateProgress& progress) {
+Result<Written> simulate_into(const fs::path& out, sim::SimulationConfig& config,
+                              SimulateProgress& progress) {
   sim::Simulation simulation(config);
   auto written = write_bag((out / "recording.bag").string(), simulation, progress);
   progress.finish();
@@ -129,7 +134,8 @@ Result<Written> simulate_into(const fs::path& out, sim::SimulationConfig& config
 int simulate(const SimulateOptions& options) {
   if (options.list) return list_scenarios();
   if (options.scenario.empty() || options.out.empty()) {
-    return fail(make_error(ErrorCode::kInvalid, "simulate needs a scenario and --out FOLDER; --list shows the scenarios"));
+    return fail(make_error(ErrorCode::kInvalid,
+                           "simulate needs a scenario and --out FOLDER; --list shows the scenarios"));
   }
   auto config = sim::load_scenario(options.scenario, options.overrides);
   if (!config) return fail(config.error());
@@ -150,9 +156,10 @@ int simulate(const SimulateOptions& options) {
     return fail(written.error());
   }
   fmt::print("{}: {} scans with {} points, {} IMU samples, {:.0f} s recorded in {:.1f} s\n",
-             (out / "recording.bag").string(), written->num_scans, written->num_points, written->num_imu, config->duration,
-             progress.elapsed_seconds());
-  fmt::print("{}: the true poses; rig.yaml and scenario.yaml lie beside them\n", (out / "truth.tum").string());
+             (out / "recording.bag").string(), written->num_scans, written->num_points, written->num_imu,
+             config->duration, progress.elapsed_seconds());
+  fmt::print("{}: the true poses; rig.yaml and scenario.yaml lie beside them\n",
+             (out / "truth.tum").string());
   return 0;
 }
 
@@ -162,8 +169,11 @@ void add_simulate(CLI::App& program, int& exit_code) {
   auto options = std::make_shared<SimulateOptions>();
   CLI::App* command = program.add_subcommand("simulate", "Make up a recording, with its truth");
   command->add_option("SCENARIO", options->scenario, "name of a built-in scenario, or a YAML file");
-  command->add_option("--out", options->out, "folder for recording.bag, truth.tum, rig.yaml and scenario.yaml");
-  command->add_option("--set", options->overrides, "change a field of the scenario, as group.key=value; may be repeated")
+  command->add_option("--out", options->out,
+                      "folder for recording.bag, truth.tum, rig.yaml and scenario.yaml");
+  command
+      ->add_option("--set", options->overrides,
+                   "change a field of the scenario, as group.key=value; may be repeated")
       ->allow_extra_args(false);
   command->add_flag("--list", options->list, "list the built-in scenarios");
   command->callback([options, &exit_code] { exit_code = simulate(*options); });

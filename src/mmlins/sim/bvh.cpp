@@ -12,8 +12,9 @@ namespace {
 using Eigen::AlignedBox3d;
 
 constexpr int kShapesPerLeaf = 2;
-constexpr std::size_t kStackSize = 128;  // more than twice the depth of any tree that build() makes of a scene
-constexpr double kMargin = 2e-3;         // around the bounds of a node [m]
+constexpr std::size_t kStackSize =
+    128;                          // more than twice the depth of any tree that build() makes of a scene
+constexpr double kMargin = 2e-3;  // around the bounds of a node [m]
 
 using Shapes = std::vector<Shape>::iterator;
 
@@ -29,7 +30,8 @@ double area_of(const AlignedBox3d& box) {
 }
 
 void sort_along(int axis, Shapes begin, Shapes end) {
-  std::stable_sort(begin, end, [axis](const Shape& a, const Shape& b) { return a.center(axis) < b.center(axis); });
+  std::stable_sort(begin, end,
+                   [axis](const Shape& a, const Shape& b) { return a.center(axis) < b.center(axis); });
 }
 
 struct Split {
@@ -106,7 +108,8 @@ std::optional<Bvh::Hit> Bvh::first_hit(const Ray& ray, double max_range) const {
   FlatRay flat{Eigen::Array4f::Zero(), Eigen::Array4f::Zero()};
   flat.origin.head<3>() = ray.origin.cast<float>().array();
   // Something tiny instead of zero, so that no 0 * infinity arises.
-  flat.inverse.head<3>() = ray.direction.array().unaryExpr([](double d) { return static_cast<float>(1.0 / (std::abs(d) < 1e-20 ? 1e-20 : d)); });
+  flat.inverse.head<3>() = ray.direction.array().unaryExpr(
+      [](double d) { return static_cast<float>(1.0 / (std::abs(d) < 1e-20 ? 1e-20 : d)); });
   Hit best{max_range, -1, 0};
   std::array<std::pair<int, float>, kStackSize> stack;  // nodes still to visit, with their entry ranges
   std::size_t size = 0;

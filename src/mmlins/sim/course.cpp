@@ -14,8 +14,9 @@ namespace {
 using Eigen::Vector2d;
 
 // Row i: coefficients of the i-th basis function of the uniform quintic B-spline, constant term first.
-constexpr double kBasis[6][6] = {{1, -5, 10, -10, 5, -1},   {26, -50, 20, 20, -20, 5}, {66, 0, -60, 0, 30, -10},
-                                 {26, 50, 20, -20, -20, 10}, {1, 5, 10, 10, 5, -5},     {0, 0, 0, 0, 0, 1}};
+constexpr double kBasis[6][6] = {{1, -5, 10, -10, 5, -1},  {26, -50, 20, 20, -20, 5},
+                                 {66, 0, -60, 0, 30, -10}, {26, 50, 20, -20, -20, 10},
+                                 {1, 5, 10, 10, 5, -5},    {0, 0, 0, 0, 0, 1}};
 constexpr double kBasisScale = 1.0 / 120.0;
 
 constexpr double kWalkStep = 0.02;    // of the walk along the polygon [m]
@@ -64,8 +65,8 @@ Walk walk_polygon(const Polygon& corners, const CourseSpeed& speed) {
       const double along = length * i / steps;
       walk.points.push_back(leg.from + (leg.to - leg.from) * (along / length));
       walk.times.push_back(time);
-      const double share =
-          std::min(slow_down(leg.turn_at_start, along, speed), slow_down(leg.turn_at_end, length - along, speed));
+      const double share = std::min(slow_down(leg.turn_at_start, along, speed),
+                                    slow_down(leg.turn_at_end, length - along, speed));
       time += length / steps / (speed.cruise * share);
     }
   }
@@ -84,7 +85,8 @@ Jet polynomial(const double (&c)[6], const Jet& u) {
 }  // namespace
 
 Course::Course(const Polygon& corners, const CourseSpeed& speed) {
-  MMLINS_CHECK(corners.size() >= 3 && speed.cruise > 0.0 && speed.smoothing > 0.0 && speed.corner_ratio > 0.0);
+  MMLINS_CHECK(corners.size() >= 3 && speed.cruise > 0.0 && speed.smoothing > 0.0 &&
+               speed.corner_ratio > 0.0);
   const Walk walk = walk_polygon(corners, speed);
   const double lap = walk.times.back();
   const int count = std::max(6, static_cast<int>(std::lround(lap / speed.smoothing)));

@@ -12,7 +12,8 @@ namespace {
 enum RandomPart : std::uint64_t { kBiases, kNoise };
 }
 
-ImuModel::ImuModel(const ImuConfig& config, std::uint64_t seed, Duration duration) : config_(config), seed_(seed) {
+ImuModel::ImuModel(const ImuConfig& config, std::uint64_t seed, Duration duration)
+    : config_(config), seed_(seed) {
   const auto count = static_cast<std::size_t>(std::ceil(to_seconds(duration) * config.rate_hz)) + 2;
   biases_.resize(count);
   if (config.perfect) return;
@@ -44,7 +45,8 @@ sensor::ImuSample ImuModel::sample(const Motion& motion, std::int64_t index) con
 
 ImuBias ImuModel::bias_at(Duration since_start) const {
   const auto index = static_cast<std::int64_t>(std::floor(to_seconds(since_start) * config_.rate_hz + 1e-6));
-  return biases_[static_cast<std::size_t>(std::clamp<std::int64_t>(index, 0, static_cast<std::int64_t>(biases_.size()) - 1))];
+  return biases_[static_cast<std::size_t>(
+      std::clamp<std::int64_t>(index, 0, static_cast<std::int64_t>(biases_.size()) - 1))];
 }
 
 sensor::ImuSample ideal_sample(const Kinematics& kinematics) {
@@ -57,13 +59,18 @@ Fields ImuConfig::fields() {
   return {
       field("rate_hz", rate_hz, "Hz", {10.0, 5000.0}, "samples per second"),
       field("perfect", perfect, "neither noise nor bias"),
-      field("gyro_noise_density", gyro_noise_density, "rad/s/sqrt(Hz)", {1e-8, 1.0}, "white noise of the gyroscope"),
+      field("gyro_noise_density", gyro_noise_density, "rad/s/sqrt(Hz)", {1e-8, 1.0},
+            "white noise of the gyroscope"),
       field("accel_noise_density", accel_noise_density, "m/s^2/sqrt(Hz)", {1e-8, 10.0},
             "white noise of the accelerometer"),
-      field("gyro_bias_walk", gyro_bias_walk, "rad/s^2/sqrt(Hz)", {0.0, 1.0}, "random walk of the gyroscope's bias"),
-      field("accel_bias_walk", accel_bias_walk, "m/s^3/sqrt(Hz)", {0.0, 10.0}, "random walk of the accelerometer's bias"),
-      field("gyro_turn_on_bias", gyro_turn_on_bias, "rad/s", {0.0, 1.0}, "standard deviation of the first bias, per axis"),
-      field("accel_turn_on_bias", accel_turn_on_bias, "m/s^2", {0.0, 10.0}, "standard deviation of the first bias, per axis"),
+      field("gyro_bias_walk", gyro_bias_walk, "rad/s^2/sqrt(Hz)", {0.0, 1.0},
+            "random walk of the gyroscope's bias"),
+      field("accel_bias_walk", accel_bias_walk, "m/s^3/sqrt(Hz)", {0.0, 10.0},
+            "random walk of the accelerometer's bias"),
+      field("gyro_turn_on_bias", gyro_turn_on_bias, "rad/s", {0.0, 1.0},
+            "standard deviation of the first bias, per axis"),
+      field("accel_turn_on_bias", accel_turn_on_bias, "m/s^2", {0.0, 10.0},
+            "standard deviation of the first bias, per axis"),
   };
 }
 

@@ -41,7 +41,8 @@ struct Jet {
   const double turn = x.value * y.rate - y.value * x.rate;
   const double turn_rate = x.value * y.accel - y.value * x.accel;
   const double square_rate = 2.0 * (x.value * x.rate + y.value * y.rate);
-  return {std::atan2(y.value, x.value), turn / square, (turn_rate * square - turn * square_rate) / (square * square)};
+  return {std::atan2(y.value, x.value), turn / square,
+          (turn_rate * square - turn * square_rate) / (square * square)};
 }
 
 }  // namespace mmlins::sim

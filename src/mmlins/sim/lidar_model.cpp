@@ -33,8 +33,10 @@ Vector3d rotated(const Vector3d& w, const Vector3d& v) {
 // The shot of a sensor at `dt` seconds after the kinematics.
 Ray ray_after(const Kinematics& at, double dt, const Vector3d& p_imu_lidar, const Vector3d& direction_imu) {
   const Vector3d turn = dt * at.angular_rate_imu;
-  const Vector3d p_world_imu = at.T_world_imu.t + dt * at.velocity_world + (0.5 * dt * dt) * at.acceleration_world;
-  return {p_world_imu + at.T_world_imu.R * rotated(turn, p_imu_lidar), at.T_world_imu.R * rotated(turn, direction_imu)};
+  const Vector3d p_world_imu =
+      at.T_world_imu.t + dt * at.velocity_world + (0.5 * dt * dt) * at.acceleration_world;
+  return {p_world_imu + at.T_world_imu.R * rotated(turn, p_imu_lidar),
+          at.T_world_imu.R * rotated(turn, direction_imu)};
 }
 
 }  // namespace

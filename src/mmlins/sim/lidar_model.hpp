@@ -58,7 +58,8 @@ class LidarModel {
 
   /// The scan that is measured during [begin, end); times count from the start of the recording. World and
   /// motion must be in the same frame.
-  [[nodiscard]] SimulatedScan scan(const World& world, const Motion& motion, Duration begin, Duration end) const;
+  [[nodiscard]] SimulatedScan scan(const World& world, const Motion& motion, Duration begin,
+                                   Duration end) const;
   /// Time from one scan to the next.
   [[nodiscard]] Duration period() const;
 
@@ -69,7 +70,8 @@ class LidarModel {
     float intensity = 0.0F;
     int surface = -1;  // -1: nothing came back
   };
-  [[nodiscard]] std::vector<Return> shoot(const World& world, const Motion& motion, const std::vector<Beam>& beams) const;
+  [[nodiscard]] std::vector<Return> shoot(const World& world, const Motion& motion,
+                                          const std::vector<Beam>& beams) const;
   [[nodiscard]] Return measure(const World& world, const Ray& ray, const Beam& beam) const;
 
   LidarConfig config_;

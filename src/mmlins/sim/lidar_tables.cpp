@@ -9,10 +9,11 @@ namespace mmlins::sim {
 
 namespace {
 
-const std::vector<std::string> kModelNames{"vlp16", "hdl32e", "os1_64", "mid360", "avia"};
+std::vector<std::string> model_names() { return {"vlp16", "hdl32e", "os1_64", "mid360", "avia"}; }
 
 SpinningTable vlp16_table() {
-  return {{-15, 1, -13, 3, -11, 5, -9, 7, -7, 9, -5, 11, -3, 13, -1, 15}, {}, Duration{2304}, Duration{55296}};
+  return {
+      {-15, 1, -13, 3, -11, 5, -9, 7, -7, 9, -5, 11, -3, 13, -1, 15}, {}, Duration{2304}, Duration{55296}};
 }
 
 SpinningTable hdl32e_table() {
@@ -41,11 +42,16 @@ SpinningTable spinning_table(LidarModelKind model) {
 
 RangeLimits range_limits(LidarModelKind model) {
   switch (model) {
-    case LidarModelKind::kVlp16: return {0.5, 100.0};
-    case LidarModelKind::kHdl32e: return {0.5, 80.0};
-    case LidarModelKind::kOs1_64: return {0.5, 100.0};
-    case LidarModelKind::kMid360: return {0.2, 70.0};
-    case LidarModelKind::kAvia: break;
+    case LidarModelKind::kVlp16:
+      return {0.5, 100.0};
+    case LidarModelKind::kHdl32e:
+      return {0.5, 80.0};
+    case LidarModelKind::kOs1_64:
+      return {0.5, 100.0};
+    case LidarModelKind::kMid360:
+      return {0.2, 70.0};
+    case LidarModelKind::kAvia:
+      break;
   }
   return {0.5, 150.0};
 }
@@ -68,7 +74,7 @@ std::unique_ptr<ScanPattern> make_pattern(const LidarConfig& config, std::uint64
   return make_spinning(table, config.rate_hz * (1.0 + config.rotor_slip), random.uniform());
 }
 
-std::string LidarConfig::model_name() const { return kModelNames[static_cast<std::size_t>(model)]; }
+std::string LidarConfig::model_name() const { return model_names()[static_cast<std::size_t>(model)]; }
 double LidarConfig::nearest() const { return min_range > 0.0 ? min_range : range_limits(model).nearest; }
 double LidarConfig::farthest() const { return max_range > 0.0 ? max_range : range_limits(model).farthest; }
 
@@ -80,16 +86,19 @@ math::SE3 LidarConfig::T_imu_lidar() const {
 
 Fields LidarConfig::fields() {
   return {
-      field("model", model, kModelNames, "which LiDAR"),
+      field("model", model, model_names(), "which LiDAR"),
       field("rate_hz", rate_hz, "Hz", {1.0, 50.0}, "scans per second"),
-      field("columns", columns, "", {0, 8192}, "firings of all lasers per scan of a spinning sensor; 0: its own number"),
+      field("columns", columns, "", {0, 8192},
+            "firings of all lasers per scan of a spinning sensor; 0: its own number"),
       field("point_share", point_share, "", {0.01, 1.0}, "share of the points that the driver passes on"),
-      field("rotor_slip", rotor_slip, "", {-0.1, 0.1}, "relative difference of the rotor's rate from the scan rate"),
+      field("rotor_slip", rotor_slip, "", {-0.1, 0.1},
+            "relative difference of the rotor's rate from the scan rate"),
       field("min_range", min_range, "m", {0.0, 100.0}, "nearer returns are lost; 0: the sensor's own"),
       field("max_range", max_range, "m", {0.0, 500.0}, "farther returns are lost; 0: the sensor's own"),
       field("range_noise", range_noise, "m", {0.0, 1.0}, "standard deviation of one range"),
       field("dropout", dropout, "", {0.0, 1.0}, "share of shots that are lost for no reason"),
-      field("max_incidence_deg", max_incidence_deg, "deg", {10.0, 88.0}, "more grazing shots do not come back"),
+      field("max_incidence_deg", max_incidence_deg, "deg", {10.0, 88.0},
+            "more grazing shots do not come back"),
       field("latency", latency, "s", {0.0, 1.0}, "from the end of a scan to its record time"),
       field("p_imu_lidar", p_imu_lidar, "m", {-100.0, 100.0}, "origin of the LiDAR in the IMU frame"),
       field("q_imu_lidar_xyzw", q_imu_lidar_xyzw, "", {-1.0, 1.0},

@@ -20,7 +20,8 @@ struct Attitude {
 math::Matrix3d rotation_of(const Attitude& attitude) {
   using Eigen::AngleAxisd;
   using math::Vector3d;
-  return (AngleAxisd(attitude.yaw.value, Vector3d::UnitZ()) * AngleAxisd(attitude.pitch.value, Vector3d::UnitY()) *
+  return (AngleAxisd(attitude.yaw.value, Vector3d::UnitZ()) *
+          AngleAxisd(attitude.pitch.value, Vector3d::UnitY()) *
           AngleAxisd(attitude.roll.value, Vector3d::UnitX()))
       .toRotationMatrix();
 }
@@ -30,7 +31,8 @@ math::Vector3d body_rate_of(const Attitude& attitude) {
   const double cr = std::cos(attitude.roll.value), sr = std::sin(attitude.roll.value);
   const double cp = std::cos(attitude.pitch.value), sp = std::sin(attitude.pitch.value);
   const double roll_rate = attitude.roll.rate, pitch_rate = attitude.pitch.rate, yaw_rate = attitude.yaw.rate;
-  return {roll_rate - yaw_rate * sp, pitch_rate * cr + yaw_rate * cp * sr, -pitch_rate * sr + yaw_rate * cp * cr};
+  return {roll_rate - yaw_rate * sp, pitch_rate * cr + yaw_rate * cp * sr,
+          -pitch_rate * sr + yaw_rate * cp * cr};
 }
 
 Jet oscillation(double amplitude, double hz, double phase, const Jet& travelled) {
@@ -59,7 +61,8 @@ Ellipse make_ellipse(const TrajectoryConfig& config) {
 // A closed path in the plane, travelled with swaying, bobbing and looking around.
 class LoopMotion : public Motion {
  public:
-  LoopMotion(const TrajectoryConfig& config, const Polygon& route) : config_(config), ellipse_(make_ellipse(config)) {
+  LoopMotion(const TrajectoryConfig& config, const Polygon& route)
+      : config_(config), ellipse_(make_ellipse(config)) {
     if (config.style == PathStyle::kRoute) {
       Polygon corners = route;
       if (config.reverse) std::reverse(corners.begin(), corners.end());
@@ -97,8 +100,8 @@ class LoopMotion : public Motion {
   }
 
   Jet height(const Jet& travelled) const {
-    return oscillation(config_.rise, 0.07, 0.4, travelled) + oscillation(config_.bob, config_.bob_hz, 0.0, travelled) +
-           config_.height;
+    return oscillation(config_.rise, 0.07, 0.4, travelled) +
+           oscillation(config_.bob, config_.bob_hz, 0.0, travelled) + config_.height;
   }
 
   // Unrelated frequencies and phases: the body is tilted while it stands, and no axis repeats another.
@@ -128,16 +131,19 @@ std::unique_ptr<Motion> make_motion(const TrajectoryConfig& config, const Polygo
 
 Fields TrajectoryConfig::fields() {
   return {
-      field("style", style, {"ellipse", "route"}, "an ellipse about the middle of the scene, or the scene's own course"),
+      field("style", style, {"ellipse", "route"},
+            "an ellipse about the middle of the scene, or the scene's own course"),
       field("speed", speed, "m/s", {0.05, 40.0}, "cruising speed; of an ellipse the mean"),
       field("stand_still", stand_still, "s", {0.0, 600.0}, "time before the first movement"),
-      field("start_in_motion", start_in_motion, "moving at full speed from the first sample on; no standing still"),
+      field("start_in_motion", start_in_motion,
+            "moving at full speed from the first sample on; no standing still"),
       field("ramp", ramp, "s", {0.1, 60.0}, "time from standing to full speed"),
       field("start_lap", start_lap, "", {0.0, 1.0}, "where on the course to start, as a share of a lap"),
       field("reverse", reverse, "travel the course the other way round"),
       field("semi_axis_x", semi_axis_x, "m", {0.5, 1000.0}, "of the ellipse"),
       field("semi_axis_y", semi_axis_y, "m", {0.5, 1000.0}, "of the ellipse"),
-      field("corner_ratio", corner_ratio, "", {0.1, 1.0}, "speed at right-angled corners, as a share of the cruise"),
+      field("corner_ratio", corner_ratio, "", {0.1, 1.0},
+            "speed at right-angled corners, as a share of the cruise"),
       field("corner_smoothing", corner_smoothing, "s", {0.1, 10.0}, "how widely corners are rounded"),
       field("height", height, "m", {0.1, 100.0}, "of the IMU above the ground"),
       field("rise", rise, "m", {0.0, 10.0}, "amplitude of slow changes of height"),
@@ -147,7 +153,8 @@ Fields TrajectoryConfig::fields() {
       field("sway_hz", sway_hz, "Hz", {0.0, 20.0}, "frequency of roll; pitch has 1.37 of it"),
       field("look_deg", look_deg, "deg", {0.0, 180.0}, "amplitude of looking left and right of the course"),
       field("look_hz", look_hz, "Hz", {0.0, 20.0}, "frequency of looking around"),
-      field("mount_yaw_deg", mount_yaw_deg, "deg", {-180.0, 180.0}, "heading of the IMU's x axis on the carrier"),
+      field("mount_yaw_deg", mount_yaw_deg, "deg", {-180.0, 180.0},
+            "heading of the IMU's x axis on the carrier"),
   };
 }
 

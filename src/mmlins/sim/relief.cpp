@@ -29,7 +29,8 @@ Relief::Relief(const Config& config, std::uint64_t seed)
     if (config.horizontal) direction.z() = 0.0;
     // Wavelengths spread evenly over the range in ratio, so that none is a multiple of another.
     const double share = (static_cast<double>(i) + random.uniform()) / static_cast<double>(kNumWaves);
-    const double wavelength = config.min_wavelength * std::pow(config.max_wavelength / config.min_wavelength, share);
+    const double wavelength =
+        config.min_wavelength * std::pow(config.max_wavelength / config.min_wavelength, share);
     waves_[i] = {direction.normalized() / wavelength, random.uniform()};
   }
 }

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <numbers>
+#include <numeric>
 
 namespace mmlins::sim {
 
@@ -16,7 +16,8 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kRadPerDeg = kPi / 180.0;
 
 Vector3d direction_of(double azimuth, double elevation) {
-  return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth), std::sin(elevation)};
+  return {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
+          std::sin(elevation)};
 }
 
 // The same for a laser of fixed elevation.
@@ -44,7 +45,8 @@ class Spinning : public ScanPattern {
  public:
   Spinning(const SpinningTable& table, double rotor_hz, double phase)
       : table_(table), rings_(rings_by_elevation(table.elevations_deg)), rotor_hz_(rotor_hz), phase_(phase) {
-    for (const double elevation : table.elevations_deg) lasers_.push_back(direction_of(0.0, elevation * kRadPerDeg));
+    for (const double elevation : table.elevations_deg)
+      lasers_.push_back(direction_of(0.0, elevation * kRadPerDeg));
   }
 
   std::vector<Beam> beams(Duration begin, Duration end) const override {
@@ -64,7 +66,8 @@ class Spinning : public ScanPattern {
   // The rotor turns clockwise seen from above, and never stops between scans.
   double azimuth(Duration time, std::size_t laser) const {
     const double turns = rotor_hz_ * to_seconds(time) + phase_;
-    const double offset = table_.azimuths_deg.empty() ? 0.0 : table_.azimuths_deg[laser % table_.azimuths_deg.size()];
+    const double offset =
+        table_.azimuths_deg.empty() ? 0.0 : table_.azimuths_deg[laser % table_.azimuths_deg.size()];
     return -2.0 * kPi * (turns - std::floor(turns)) + offset * kRadPerDeg;
   }
 
@@ -85,9 +88,10 @@ class Nodding : public ScanPattern {
     for (std::int64_t i = first_tick(begin, table_.between_points); i < last; ++i) {
       const Duration time = i * table_.between_points;
       const double t = to_seconds(time);
-      const double azimuth = std::fmod(-62050.63 * t, 360.0) + 3.11 * std::cos(314159.2 * t) * std::sin(628.318 * 2.0 * t);
-      const double elevation =
-          25.5 * std::cos(20.0 * kPi * t) + 4.0 * std::cos(2.0 * kPi / 0.006 * t) * std::cos(10000.0 * kPi * t) + 22.5;
+      const double azimuth =
+          std::fmod(-62050.63 * t, 360.0) + 3.11 * std::cos(314159.2 * t) * std::sin(628.318 * 2.0 * t);
+      const double elevation = 25.5 * std::cos(20.0 * kPi * t) +
+                               4.0 * std::cos(2.0 * kPi / 0.006 * t) * std::cos(10000.0 * kPi * t) + 22.5;
       beams.push_back({time, direction_of(azimuth * kRadPerDeg, elevation * kRadPerDeg), 0});
     }
     return beams;
@@ -111,8 +115,10 @@ class Rosette : public ScanPattern {
       const double b = 2.0 * kPi * std::fmod(table_.second_hz * to_seconds(time), 1.0);
       const std::size_t line = static_cast<std::size_t>(i) % num_lines;
       const double half = 0.5 * table_.half_angle_deg * kRadPerDeg;
-      const double elevation = half * (std::sin(a) + std::sin(b)) + table_.line_offsets_deg[line] * kRadPerDeg;
-      beams.push_back({time, direction_of(half * (std::cos(a) + std::cos(b)), elevation), static_cast<std::uint16_t>(line)});
+      const double elevation =
+          half * (std::sin(a) + std::sin(b)) + table_.line_offsets_deg[line] * kRadPerDeg;
+      beams.push_back({time, direction_of(half * (std::cos(a) + std::cos(b)), elevation),
+                       static_cast<std::uint16_t>(line)});
     }
     return beams;
   }
@@ -126,7 +132,11 @@ class Rosette : public ScanPattern {
 std::unique_ptr<ScanPattern> make_spinning(const SpinningTable& table, double rotor_hz, double phase) {
   return std::make_unique<Spinning>(table, rotor_hz, phase);
 }
-std::unique_ptr<ScanPattern> make_nodding(const NoddingTable& table) { return std::make_unique<Nodding>(table); }
-std::unique_ptr<ScanPattern> make_rosette(const RosetteTable& table) { return std::make_unique<Rosette>(table); }
+std::unique_ptr<ScanPattern> make_nodding(const NoddingTable& table) {
+  return std::make_unique<Nodding>(table);
+}
+std::unique_ptr<ScanPattern> make_rosette(const RosetteTable& table) {
+  return std::make_unique<Rosette>(table);
+}
 
 }  // namespace mmlins::sim

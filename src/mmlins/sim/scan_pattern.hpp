@@ -49,7 +49,8 @@ struct RosetteTable {
 
 /// @param rotor_hz  turns per second, also across scans
 /// @param phase     of the rotor when the sensor is switched on [turns]
-[[nodiscard]] std::unique_ptr<ScanPattern> make_spinning(const SpinningTable& table, double rotor_hz, double phase);
+[[nodiscard]] std::unique_ptr<ScanPattern> make_spinning(const SpinningTable& table, double rotor_hz,
+                                                         double phase);
 [[nodiscard]] std::unique_ptr<ScanPattern> make_nodding(const NoddingTable& table);
 [[nodiscard]] std::unique_ptr<ScanPattern> make_rosette(const RosetteTable& table);
 

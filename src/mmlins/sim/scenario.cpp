@@ -20,8 +20,9 @@ Status apply_named(const Fields& fields, const std::string& name) {
   std::vector<std::string> names;
   for (const ScenarioText& scenario : scenarios) names.push_back(scenario.name);
   const std::string nearest = config::nearest_word(names, name);
-  return make_error(ErrorCode::kNotFound, "there is no scenario '{}'{} (--list shows all; a name ending in .yaml is a file)",
-                    name, nearest.empty() ? "" : "; did you mean '" + nearest + "'?");
+  return make_error(ErrorCode::kNotFound,
+                    "there is no scenario '{}'{} (--list shows all; a name ending in .yaml is a file)", name,
+                    nearest.empty() ? "" : "; did you mean '" + nearest + "'?");
 }
 
 }  // namespace
@@ -31,7 +32,8 @@ std::string summary_of(const ScenarioText& scenario) {
   return line.starts_with("# ") ? line.substr(2) : "";
 }
 
-Result<SimulationConfig> load_scenario(const std::string& name_or_path, const std::vector<std::string>& overrides) {
+Result<SimulationConfig> load_scenario(const std::string& name_or_path,
+                                       const std::vector<std::string>& overrides) {
   SimulationConfig config;
   const Fields fields = config.fields();
   const Status loaded = looks_like_a_file(name_or_path) ? config::apply_yaml_file(fields, name_or_path)

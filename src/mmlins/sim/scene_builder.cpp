@@ -26,7 +26,8 @@ bool SceneBuilder::is_free(const Vector2d& center, double radius) const {
 
 void SceneBuilder::add(const BoxSpec& box) {
   const Vector3d center(box.center.x(), box.center.y(), 0.5 * (box.z_min + box.z_max));
-  shapes_.push_back(make_box(center, {box.size.x(), box.size.y(), box.z_max - box.z_min}, box.yaw, reflectivity()));
+  shapes_.push_back(
+      make_box(center, {box.size.x(), box.size.y(), box.z_max - box.z_min}, box.yaw, reflectivity()));
 }
 
 void SceneBuilder::add_loose(const BoxSpec& box) {

@@ -13,11 +13,11 @@ namespace mmlins::sim {
 
 /// A box standing on (or hanging at) z_min.
 struct BoxSpec {
-  Eigen::Vector2d center;     ///< [m]
-  Eigen::Vector2d size;       ///< along its own x and y [m]
-  double z_min = 0.0;         ///< [m]
-  double z_max = 1.0;         ///< [m]
-  double yaw = 0.0;           ///< [rad]
+  Eigen::Vector2d center;  ///< [m]
+  Eigen::Vector2d size;    ///< along its own x and y [m]
+  double z_min = 0.0;      ///< [m]
+  double z_max = 1.0;      ///< [m]
+  double yaw = 0.0;        ///< [rad]
 };
 
 class SceneBuilder {
@@ -39,7 +39,8 @@ class SceneBuilder {
   /// A trunk with a crown, if the path stays free.
   void add_tree(const Eigen::Vector2d& foot);
   /// A straight wall from a to b, as a box.
-  void add_wall(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double thickness, const Eigen::Vector2d& z_range);
+  void add_wall(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double thickness,
+                const Eigen::Vector2d& z_range);
 
   [[nodiscard]] std::vector<Shape> take() { return std::move(shapes_); }
 

@@ -29,7 +29,8 @@ Hall hall_of(const WorldConfig& config) {
 void add_shell(SceneBuilder& builder, const Hall& hall) {
   const double x = hall.half_size.x(), y = hall.half_size.y();
   const Vector2d z_range(kBelowGround, hall.height + 0.5);
-  const Polygon corners{{-x - 0.15, -y - 0.15}, {x + 0.15, -y - 0.15}, {x + 0.15, y + 0.15}, {-x - 0.15, y + 0.15}};
+  const Polygon corners{
+      {-x - 0.15, -y - 0.15}, {x + 0.15, -y - 0.15}, {x + 0.15, y + 0.15}, {-x - 0.15, y + 0.15}};
   for (std::size_t i = 0; i < 4; ++i) builder.add_wall(corners[i], corners[(i + 1) % 4], 0.3, z_range);
   builder.add({{0, 0}, {2 * x + 1, 2 * y + 1}, hall.height, hall.height + 0.4, 0.0});
 }
@@ -55,7 +56,8 @@ void add_wall_fittings(SceneBuilder& builder, const Hall& hall, int count) {
     const WallPlace at = place_at_wall(random, hall, 0.5 * depth);
     const double bottom = random.chance(0.6) ? kBelowGround : random.uniform(0.8, 3.0);
     const double top = std::max(bottom, 0.0) + random.uniform(0.3, 2.4);
-    builder.add_loose({at.place, {random.uniform(0.4, 3.0), depth}, bottom, std::min(top, hall.height), at.yaw});
+    builder.add_loose(
+        {at.place, {random.uniform(0.4, 3.0), depth}, bottom, std::min(top, hall.height), at.yaw});
   }
 }
 
@@ -67,7 +69,8 @@ void add_pillars(SceneBuilder& builder, const Hall& hall) {
       builder.add_pole(at.place, random.uniform(0.2, 0.35), hall.height + 0.2);
     } else {
       const double side = random.uniform(0.4, 0.7);
-      builder.add_loose({at.place, {side, side}, kBelowGround, hall.height + 0.2, random.uniform(-0.05, 0.05)});
+      builder.add_loose(
+          {at.place, {side, side}, kBelowGround, hall.height + 0.2, random.uniform(-0.05, 0.05)});
     }
   }
 }
@@ -85,13 +88,22 @@ void add_machines(SceneBuilder& builder, const Hall& hall, int count) {
 
 void add_beams(SceneBuilder& builder, const Hall& hall) {
   Random& random = builder.random();
-  for (double x = -hall.half_size.x() + random.uniform(2.0, 4.0); x < hall.half_size.x(); x += random.uniform(4.5, 6.5)) {
-    builder.add({{x, 0.0}, {0.3, 2.0 * hall.half_size.y()}, hall.height - random.uniform(0.35, 0.6), hall.height + 0.1, 0.0});
+  for (double x = -hall.half_size.x() + random.uniform(2.0, 4.0); x < hall.half_size.x();
+       x += random.uniform(4.5, 6.5)) {
+    builder.add({{x, 0.0},
+                 {0.3, 2.0 * hall.half_size.y()},
+                 hall.height - random.uniform(0.35, 0.6),
+                 hall.height + 0.1,
+                 0.0});
   }
   for (int i = 0; i < 4; ++i) {
     const double z = hall.height - random.uniform(0.7, 1.2);
-    builder.add({{random.uniform(-0.7, 0.7) * hall.half_size.x(), random.uniform(-0.7, 0.7) * hall.half_size.y()},
-                 {random.uniform(2.0, 6.0), random.uniform(0.2, 0.5)}, z, z + 0.3, random.chance(0.5) ? 0.0 : 1.57});
+    builder.add(
+        {{random.uniform(-0.7, 0.7) * hall.half_size.x(), random.uniform(-0.7, 0.7) * hall.half_size.y()},
+         {random.uniform(2.0, 6.0), random.uniform(0.2, 0.5)},
+         z,
+         z + 0.3,
+         random.chance(0.5) ? 0.0 : 1.57});
   }
 }
 

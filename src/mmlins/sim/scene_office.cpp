@@ -41,7 +41,8 @@ Office office_of(const WorldConfig& config) {
     for (int i = 0; i < kRoomsPerSide; ++i) {
       const double width = random.uniform(4.8, 6.6);
       const bool visited = (i + (&side == &office.sides[1] ? 1 : 0)) % 2 == 1;
-      side.push_back({x, x + width, x + width * random.uniform(0.42, 0.58), random.uniform(4.8, 6.2), visited});
+      side.push_back(
+          {x, x + width, x + width * random.uniform(0.42, 0.58), random.uniform(4.8, 6.2), visited});
       x += width;
     }
     office.length = std::max(office.length, x);
@@ -73,7 +74,8 @@ void add_corridor_wall(SceneBuilder& builder, const Office& office, int side) {
   double x = 0.0;
   for (const Room& room : office.sides[side]) {
     builder.add_wall({x, y}, {room.door - 0.5 * kDoorWidth, y}, kWall, full);
-    builder.add_wall({room.door - 0.5 * kDoorWidth, y}, {room.door + 0.5 * kDoorWidth, y}, kWall, {kDoorHeight, full.y()});
+    builder.add_wall({room.door - 0.5 * kDoorWidth, y}, {room.door + 0.5 * kDoorWidth, y}, kWall,
+                     {kDoorHeight, full.y()});
     x = room.door + 0.5 * kDoorWidth;
   }
   builder.add_wall({x, y}, {office.length, y}, kWall, full);
@@ -93,15 +95,28 @@ void furnish(SceneBuilder& builder, const Room& room, double sign, const Office&
     const double x = random.uniform(room.x_min + 0.6, room.x_max - 0.6);
     const double y = random.uniform(y_near + 0.6, y_far - 0.4);
     switch (static_cast<int>(random.uniform(0.0, 4.0))) {
-      case 0: builder.add_loose({{x, sign * (y_far - inset)}, {width, depth}, kBelowGround, height, 0.0}); break;
-      case 1: builder.add_loose({{room.x_min + inset, sign * y}, {depth, width}, kBelowGround, height, 0.0}); break;
-      case 2: builder.add_loose({{room.x_max - inset - kWall, sign * y}, {depth, width}, kBelowGround, height, 0.0}); break;
-      default: builder.add_loose({{x, sign * y}, {0.8 * width, depth}, kBelowGround, 0.75, random.uniform(-1.5, 1.5)});
+      case 0:
+        builder.add_loose({{x, sign * (y_far - inset)}, {width, depth}, kBelowGround, height, 0.0});
+        break;
+      case 1:
+        builder.add_loose({{room.x_min + inset, sign * y}, {depth, width}, kBelowGround, height, 0.0});
+        break;
+      case 2:
+        builder.add_loose(
+            {{room.x_max - inset - kWall, sign * y}, {depth, width}, kBelowGround, height, 0.0});
+        break;
+      default:
+        builder.add_loose(
+            {{x, sign * y}, {0.8 * width, depth}, kBelowGround, 0.75, random.uniform(-1.5, 1.5)});
     }
   }
   for (int i = 0; i < 2; ++i) {  // lamps
-    builder.add({{random.uniform(room.x_min + 1, room.x_max - 1), sign * random.uniform(y_near + 1, y_far - 1)},
-                 {1.2, 0.3}, office.ceiling - 0.08, office.ceiling, 0.0});
+    builder.add(
+        {{random.uniform(room.x_min + 1, room.x_max - 1), sign * random.uniform(y_near + 1, y_far - 1)},
+         {1.2, 0.3},
+         office.ceiling - 0.08,
+         office.ceiling,
+         0.0});
   }
 }
 
@@ -125,8 +140,11 @@ void fit_corridor(SceneBuilder& builder, const Office& office) {
     const double depth = random.uniform(0.05, 0.3);
     const double y = (random.chance(0.5) ? 1.0 : -1.0) * (kHalfCorridor - 0.5 * depth);
     const double bottom = random.chance(0.5) ? kBelowGround : random.uniform(0.5, 1.8);
-    builder.add_loose({{random.uniform(0.3, office.length - 0.3), y}, {random.uniform(0.2, 1.0), depth}, bottom,
-                       std::max(bottom, 0.0) + random.uniform(0.2, 1.2), 0.0});
+    builder.add_loose({{random.uniform(0.3, office.length - 0.3), y},
+                       {random.uniform(0.2, 1.0), depth},
+                       bottom,
+                       std::max(bottom, 0.0) + random.uniform(0.2, 1.2),
+                       0.0});
   }
   for (double x = 1.5; x < office.length; x += random.uniform(2.4, 3.6)) {
     builder.add({{x, random.uniform(-0.3, 0.3)}, {0.3, 1.2}, office.ceiling - 0.1, office.ceiling, 0.0});
@@ -161,7 +179,8 @@ std::vector<Shape> office_shapes(const WorldConfig& config, const Polygon& keep_
   const Vector2d full(kBelowGround, office.ceiling + 0.1);
   builder.add_wall({-0.1, -8.0}, {-0.1, 8.0}, 0.2, full);
   builder.add_wall({office.length + 0.1, -8.0}, {office.length + 0.1, 8.0}, 0.2, full);
-  builder.add({{0.5 * office.length, 0.0}, {office.length + 1.0, 18.0}, office.ceiling, office.ceiling + 0.3, 0.0});
+  builder.add(
+      {{0.5 * office.length, 0.0}, {office.length + 1.0, 18.0}, office.ceiling, office.ceiling + 0.3, 0.0});
   return builder.take();
 }
 

@@ -48,19 +48,28 @@ struct BlockSide {
 };
 
 // Pilasters and bays that stand out of the front, ledges between the floors, a recessed look.
-void add_front(SceneBuilder& builder, const BlockSide& side, const Vector2d& span, double front, double height) {
+void add_front(SceneBuilder& builder, const BlockSide& side, const Vector2d& span, double front,
+               double height) {
   Random& random = builder.random();
   double s = span.x() + random.uniform(0.5, 2.0);
   while (s < span.y() - 0.5) {
     const double width = random.uniform(0.3, 1.6);
     const double depth = random.uniform(0.12, 0.6);
     const double bottom = random.chance(0.6) ? kBelowGround : random.uniform(2.2, 4.0);
-    builder.add({side.at(s, front + 0.5 * depth - 0.02), {width, depth}, bottom, random.uniform(0.5, 1.0) * height, side.yaw()});
+    builder.add({side.at(s, front + 0.5 * depth - 0.02),
+                 {width, depth},
+                 bottom,
+                 random.uniform(0.5, 1.0) * height,
+                 side.yaw()});
     s += width + random.uniform(0.8, 3.5);
   }
   for (double z = random.uniform(3.0, 4.2); z < height; z += random.uniform(3.0, 4.5)) {
     const double depth = random.uniform(0.15, 0.4);
-    builder.add({side.at(0.5 * (span.x() + span.y()), front + 0.5 * depth), {span.y() - span.x(), depth}, z, z + 0.25, side.yaw()});
+    builder.add({side.at(0.5 * (span.x() + span.y()), front + 0.5 * depth),
+                 {span.y() - span.x(), depth},
+                 z,
+                 z + 0.25,
+                 side.yaw()});
   }
 }
 
@@ -74,7 +83,11 @@ void add_buildings(SceneBuilder& builder, const BlockSide& side) {
     const double depth = random.uniform(7.0, 11.0);
     const bool is_alley = random.chance(0.1);
     if (!is_alley && builder.distance_to_path(side.at(s + 0.5 * width, 0.0)) < kSight) {
-      builder.add({side.at(s + 0.5 * width, -setback - 0.5 * depth), {width, depth}, kBelowGround, height, side.yaw()});
+      builder.add({side.at(s + 0.5 * width, -setback - 0.5 * depth),
+                   {width, depth},
+                   kBelowGround,
+                   height,
+                   side.yaw()});
       add_front(builder, side, {s, s + width}, -setback, height);
     }
     s += is_alley ? 3.5 : width;
@@ -88,7 +101,8 @@ void add_car(SceneBuilder& builder, const Vector2d& place, double yaw) {
   const double waist = random.uniform(0.85, 1.05);
   const Vector2d along(std::cos(yaw), std::sin(yaw));
   builder.add_loose({place, {length, width}, 0.2, waist, yaw});
-  builder.add_loose({place - 0.1 * length * along, {0.55 * length, 0.88 * width}, waist, random.uniform(1.4, 1.75), yaw});
+  builder.add_loose(
+      {place - 0.1 * length * along, {0.55 * length, 0.88 * width}, waist, random.uniform(1.4, 1.75), yaw});
 }
 
 // What stands between the facades and the lane.
@@ -106,7 +120,10 @@ void furnish(SceneBuilder& builder, const BlockSide& side, double clutter) {
     } else if (kind < 0.75 && in_sight) {
       builder.add_pole(kerb, random.uniform(0.05, 0.11), random.uniform(3.0, 8.0));
     } else if (kind < 0.85 && in_sight) {
-      builder.add_loose({kerb, {random.uniform(0.4, 1.6), random.uniform(0.4, 0.8)}, kBelowGround, random.uniform(0.6, 1.6),
+      builder.add_loose({kerb,
+                         {random.uniform(0.4, 1.6), random.uniform(0.4, 0.8)},
+                         kBelowGround,
+                         random.uniform(0.6, 1.6),
                          side.yaw() + random.uniform(-0.2, 0.2)});
     }
     s += random.uniform(3.5, 7.5);

@@ -19,7 +19,8 @@ constexpr double kHalfY = 28.0;
 // The boundary: panels of varying height, none quite in line with the next.
 void add_boundary(SceneBuilder& builder) {
   Random& random = builder.random();
-  const Polygon corners{{-kHalfX, -kHalfY}, {kHalfX, -kHalfY + 3.0}, {kHalfX - 4.0, kHalfY}, {-kHalfX + 2.0, kHalfY - 2.0}};
+  const Polygon corners{
+      {-kHalfX, -kHalfY}, {kHalfX, -kHalfY + 3.0}, {kHalfX - 4.0, kHalfY}, {-kHalfX + 2.0, kHalfY - 2.0}};
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Vector2d from = corners[i];
     const Vector2d to = corners[(i + 1) % corners.size()];
@@ -30,7 +31,8 @@ void add_boundary(SceneBuilder& builder) {
       const double length = random.uniform(3.0, 9.0);
       const Vector2d shift = across * random.uniform(-0.4, 0.4);
       const double height = random.chance(0.15) ? 0.8 : random.uniform(2.0, 4.5);
-      builder.add_wall(from + at * along + shift, from + (at + length) * along + shift, 0.25, {kBelowGround, height});
+      builder.add_wall(from + at * along + shift, from + (at + length) * along + shift, 0.25,
+                       {kBelowGround, height});
       at += length;
     }
   }
@@ -62,7 +64,11 @@ void add_crates(SceneBuilder& builder, int count) {
     const double height = random.uniform(0.4, 1.8);
     builder.add_loose({place, {side, random.uniform(0.5, 2.2)}, kBelowGround, height, yaw});
     if (random.chance(0.4)) {
-      builder.add_loose({place, {0.6 * side, 0.5}, height, height + random.uniform(0.3, 1.0), yaw + random.uniform(-0.5, 0.5)});
+      builder.add_loose({place,
+                         {0.6 * side, 0.5},
+                         height,
+                         height + random.uniform(0.3, 1.0),
+                         yaw + random.uniform(-0.5, 0.5)});
     }
   }
 }
@@ -87,8 +93,10 @@ std::vector<Shape> yard_shapes(const WorldConfig& config, const Polygon& keep_fr
   add_boundary(builder);
   add_sheds(builder, static_cast<int>(std::lround(14 * config.clutter)));
   add_crates(builder, static_cast<int>(std::lround(70 * config.clutter)));
-  for (int i = 0; i < static_cast<int>(std::lround(30 * config.clutter)); ++i) builder.add_tree(anywhere(random));
-  for (int i = 0; i < 12; ++i) builder.add_pole(anywhere(random), random.uniform(0.05, 0.12), random.uniform(4.0, 8.0));
+  for (int i = 0; i < static_cast<int>(std::lround(30 * config.clutter)); ++i)
+    builder.add_tree(anywhere(random));
+  for (int i = 0; i < 12; ++i)
+    builder.add_pole(anywhere(random), random.uniform(0.05, 0.12), random.uniform(4.0, 8.0));
   return builder.take();
 }
 

@@ -12,11 +12,13 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 Vector3d to_box(const Shape& box, const Vector3d& v) {
-  return {box.x_axis.x() * v.x() + box.x_axis.y() * v.y(), -box.x_axis.y() * v.x() + box.x_axis.x() * v.y(), v.z()};
+  return {box.x_axis.x() * v.x() + box.x_axis.y() * v.y(), -box.x_axis.y() * v.x() + box.x_axis.x() * v.y(),
+          v.z()};
 }
 
 Vector3d from_box(const Shape& box, const Vector3d& v) {
-  return {box.x_axis.x() * v.x() - box.x_axis.y() * v.y(), box.x_axis.y() * v.x() + box.x_axis.x() * v.y(), v.z()};
+  return {box.x_axis.x() * v.x() - box.x_axis.y() * v.y(), box.x_axis.y() * v.x() + box.x_axis.x() * v.y(),
+          v.z()};
 }
 
 std::optional<ShapeHit> intersect_box(const Shape& box, const Ray& ray) {
@@ -50,7 +52,8 @@ std::optional<ShapeHit> intersect_cylinder(const Shape& cylinder, const Ray& ray
     const double discriminant = b * b - a * c;
     if (discriminant <= 0.0) return std::nullopt;
     const double range = (-b - std::sqrt(discriminant)) / a;
-    if (range > 0.0 && std::abs(origin.z() + range * ray.direction.z()) <= half_height) return ShapeHit{range, 0};
+    if (range > 0.0 && std::abs(origin.z() + range * ray.direction.z()) <= half_height)
+      return ShapeHit{range, 0};
   }
   if (ray.direction.z() == 0.0) return std::nullopt;
   const bool from_above = ray.direction.z() < 0.0;
@@ -67,7 +70,11 @@ Shape make_box(const Vector3d& center, const Vector3d& size, double yaw, double 
 }
 
 Shape make_cylinder(const Vector3d& foot, double radius, double height, double reflectivity) {
-  return {ShapeKind::kCylinder, foot + Vector3d(0, 0, 0.5 * height), {radius, radius, 0.5 * height}, {1, 0}, reflectivity};
+  return {ShapeKind::kCylinder,
+          foot + Vector3d(0, 0, 0.5 * height),
+          {radius, radius, 0.5 * height},
+          {1, 0},
+          reflectivity};
 }
 
 Eigen::AlignedBox3d bounds_of(const Shape& shape) {

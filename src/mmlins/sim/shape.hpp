@@ -10,7 +10,7 @@ namespace mmlins::sim {
 
 /// A half-line: origin + range * direction, |direction| = 1.
 struct Ray {
-  Eigen::Vector3d origin;     ///< [m]
+  Eigen::Vector3d origin;  ///< [m]
   Eigen::Vector3d direction;
 };
 
@@ -18,16 +18,17 @@ enum class ShapeKind { kBox, kCylinder };
 
 struct Shape {
   ShapeKind kind = ShapeKind::kBox;
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();       ///< [m]
-  Eigen::Vector3d half_size = Eigen::Vector3d::Ones();    ///< [m]; of a cylinder: radius, radius, half height
-  Eigen::Vector2d x_axis = Eigen::Vector2d::UnitX();      ///< of a box, horizontal unit vector
-  double reflectivity = 0.5;                              ///< diffuse, 0 to 1
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();     ///< [m]
+  Eigen::Vector3d half_size = Eigen::Vector3d::Ones();  ///< [m]; of a cylinder: radius, radius, half height
+  Eigen::Vector2d x_axis = Eigen::Vector2d::UnitX();    ///< of a box, horizontal unit vector
+  double reflectivity = 0.5;                            ///< diffuse, 0 to 1
 };
 
 [[nodiscard]] Shape make_box(const Eigen::Vector3d& center, const Eigen::Vector3d& size, double yaw,
                              double reflectivity);
 /// Upright, from z_min to z_max.
-[[nodiscard]] Shape make_cylinder(const Eigen::Vector3d& foot, double radius, double height, double reflectivity);
+[[nodiscard]] Shape make_cylinder(const Eigen::Vector3d& foot, double radius, double height,
+                                  double reflectivity);
 
 [[nodiscard]] Eigen::AlignedBox3d bounds_of(const Shape& shape);
 

@@ -53,9 +53,10 @@ Status validate(const SimulationConfig& config, const std::string& source) {
   rig.max_range = config.sensor.farthest();
   if (const Status status = sensor::validate(rig, source + ": sensor"); !status) return status;
   if (!config.trajectory.start_in_motion && config.trajectory.stand_still >= config.duration) {
-    return make_error(ErrorCode::kInvalid,
-                      "{}: trajectory.stand_still ({} s) must be shorter than duration ({} s), or nothing moves", source,
-                      config.trajectory.stand_still, config.duration);
+    return make_error(
+        ErrorCode::kInvalid,
+        "{}: trajectory.stand_still ({} s) must be shorter than duration ({} s), or nothing moves", source,
+        config.trajectory.stand_still, config.duration);
   }
   return {};
 }
@@ -118,6 +119,14 @@ math::Trajectory Simulation::truth(double rate_hz) const {
     truth.push_back({time, T_world_imu(time)});
   }
   return truth;
+}
+
+std::optional<Hit> Simulation::cast(const Ray& ray_world, double max_range) const {
+  const math::SE3 T_scene_world = T_world_scene_.inverse();
+  auto hit =
+      world_->cast({T_scene_world * ray_world.origin, T_scene_world.R * ray_world.direction}, max_range);
+  if (hit) hit->normal = T_world_scene_.R * hit->normal;
+  return hit;
 }
 
 double Simulation::distance_to_surface(const math::Vector3d& p_world, int surface) const {

@@ -53,6 +53,8 @@ class Simulation : public sensor::Dataset {
   [[nodiscard]] ImuBias bias(Time time) const;
   /// Poses of the IMU from start to end.
   [[nodiscard]] math::Trajectory truth(double rate_hz = 100.0) const;
+  /// What a ray in the world meets.
+  [[nodiscard]] std::optional<Hit> cast(const Ray& ray_world, double max_range) const;
   /// Distance of a point from a surface named by scan_truth() [m].
   [[nodiscard]] double distance_to_surface(const math::Vector3d& p_world, int surface) const;
   /// The description that a user of such a recording would have.

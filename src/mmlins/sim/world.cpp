@@ -15,9 +15,9 @@ constexpr int kGround = 0;  // surface number; those of shapes follow
 constexpr double kGroundReflectivity = 0.25;
 // Of the search for the uneven surface next to the even one.
 constexpr int kMaxSteps = 6;
-// One last step from here leaves an error of its square times half the curvature, below 1e-8 m.
+// One last step from here leaves an error of its square times half the curvature, below 1e-6 m.
 constexpr double kCloseEnough = 1e-4;  // [m]
-constexpr double kMinSlope = 0.02;   // rays more grazing than this see no defined surface
+constexpr double kMinSlope = 0.02;     // rays more grazing than this see no defined surface
 
 }  // namespace
 
@@ -27,15 +27,13 @@ ShapeWorld::ShapeWorld(std::vector<Shape> shapes, const Roughness& roughness)
       ground_relief_({roughness.ground_waves, 9.0, 30.0, true}, sub_seed(roughness.seed, 1)) {}
 
 std::optional<Hit> ShapeWorld::cast(const Ray& ray, double max_range) const {
-  const auto shape_hit = bvh_.first_hit(ray, max_range);
-  double range = shape_hit ? shape_hit->range : max_range;
-  int surface = shape_hit ? 1 + kFacesPerShape * shape_hit->shape + shape_hit->face : -1;
+  // Most rays end on the ground soon: it is asked first.
   const double to_ground = ray.direction.z() < 0.0 ? -ray.origin.z() / ray.direction.z() : max_range;
-  if (to_ground > 0.0 && to_ground < range) {
-    range = to_ground;
-    surface = kGround;
-  }
-  if (surface < 0) return std::nullopt;
+  const bool meets_ground = to_ground > 0.0 && to_ground < max_range;
+  const auto shape_hit = bvh_.first_hit(ray, meets_ground ? to_ground : max_range);
+  if (!shape_hit && !meets_ground) return std::nullopt;
+  double range = shape_hit ? shape_hit->range : to_ground;
+  const int surface = shape_hit ? 1 + kFacesPerShape * shape_hit->shape + shape_hit->face : kGround;
 
   // Newton's method from the even surface to the uneven one. Where it fails, the ray grazes.
   for (int step = 0; step < kMaxSteps; ++step) {
@@ -74,7 +72,8 @@ double ShapeWorld::distance(const math::Vector3d& p, int surface) const {
 
 math::SE3 WorldConfig::T_world_scene() const {
   const double yaw = yaw_deg * std::numbers::pi / 180.0;
-  return {Eigen::AngleAxisd(yaw, math::Vector3d::UnitZ()).toRotationMatrix(), {offset[0], offset[1], offset[2]}};
+  return {Eigen::AngleAxisd(yaw, math::Vector3d::UnitZ()).toRotationMatrix(),
+          {offset[0], offset[1], offset[2]}};
 }
 
 Fields WorldConfig::fields() {
@@ -84,17 +83,22 @@ Fields WorldConfig::fields() {
       field("yaw_deg", yaw_deg, "deg", {-180.0, 180.0}, "how the scene is turned in the world"),
       field("offset", offset, "m", {-1e5, 1e5}, "where the scene lies in the world"),
       field("unevenness", unevenness, "m", {0.0, 0.03}, "root mean square of the bumps of all surfaces"),
-      field("ground_waves", ground_waves, "m", {0.0, 0.3}, "root mean square of the long waves of the ground"),
+      field("ground_waves", ground_waves, "m", {0.0, 0.3},
+            "root mean square of the long waves of the ground"),
       field("clutter", clutter, "", {0.0, 3.0}, "number of loose objects, as a share of the usual"),
   };
 }
 
 Polygon scene_route(const WorldConfig& config) {
   switch (config.scene) {
-    case SceneKind::kHall: return hall_route(config);
-    case SceneKind::kStreet: return street_route(config);
-    case SceneKind::kOffice: return office_route(config);
-    case SceneKind::kYard: break;
+    case SceneKind::kHall:
+      return hall_route(config);
+    case SceneKind::kStreet:
+      return street_route(config);
+    case SceneKind::kOffice:
+      return office_route(config);
+    case SceneKind::kYard:
+      break;
   }
   return yard_route(config);
 }
@@ -102,15 +106,20 @@ Polygon scene_route(const WorldConfig& config) {
 std::unique_ptr<ShapeWorld> make_world(const WorldConfig& config, const Polygon& keep_free) {
   const auto shapes = [&] {
     switch (config.scene) {
-      case SceneKind::kHall: return hall_shapes(config, keep_free);
-      case SceneKind::kStreet: return street_shapes(config, keep_free);
-      case SceneKind::kOffice: return office_shapes(config, keep_free);
-      case SceneKind::kYard: break;
+      case SceneKind::kHall:
+        return hall_shapes(config, keep_free);
+      case SceneKind::kStreet:
+        return street_shapes(config, keep_free);
+      case SceneKind::kOffice:
+        return office_shapes(config, keep_free);
+      case SceneKind::kYard:
+        break;
     }
     return yard_shapes(config, keep_free);
   }();
   const auto seed = static_cast<std::uint64_t>(config.seed);
-  return std::make_unique<ShapeWorld>(shapes, ShapeWorld::Roughness{config.unevenness, config.ground_waves, seed});
+  return std::make_unique<ShapeWorld>(shapes,
+                                      ShapeWorld::Roughness{config.unevenness, config.ground_waves, seed});
 }
 
 }  // namespace mmlins::sim

@@ -15,10 +15,10 @@
 namespace mmlins::sim {
 
 struct Hit {
-  double range = 0.0;                                ///< [m]
-  math::Vector3d normal = math::Vector3d::UnitZ();   ///< of the surface, towards the ray's origin
-  double reflectivity = 0.5;                         ///< diffuse, 0 to 1
-  int surface = 0;                                   ///< number of the surface, for World::distance
+  double range = 0.0;                               ///< [m]
+  math::Vector3d normal = math::Vector3d::UnitZ();  ///< of the surface, towards the ray's origin
+  double reflectivity = 0.5;                        ///< diffuse, 0 to 1
+  int surface = 0;                                  ///< number of the surface, for World::distance
 };
 
 class World {
@@ -49,7 +49,7 @@ struct WorldConfig {
 class ShapeWorld : public World {
  public:
   struct Roughness {
-    double surfaces = 0.0;     ///< root mean square of the unevenness of all surfaces [m]
+    double surfaces = 0.0;      ///< root mean square of the unevenness of all surfaces [m]
     double ground_waves = 0.0;  ///< the same of the long waves of the ground [m]
     std::uint64_t seed = 0;
   };
