@@ -16,7 +16,7 @@ namespace {
 struct EvaluateOptions {
   std::string truth;
   std::string estimate;
-  eval::Alignment alignment = eval::Alignment::kSe3;
+  std::string alignment = "se3";
   bool json = false;
 };
 
@@ -105,7 +105,7 @@ int evaluate_files(const EvaluateOptions& options) {
   warn_about_order(options.truth, *truth);
   warn_about_order(options.estimate, *estimate);
   const Result<eval::Evaluation> evaluation =
-      eval::evaluate(truth->poses, estimate->poses, options.alignment);
+      eval::evaluate(truth->poses, estimate->poses, kAlignments.at(options.alignment));
   if (!evaluation) {
     return fail({evaluation.error().code, fmt::format("{} against {}: {}", options.estimate, options.truth,
                                                       evaluation.error().message)});
@@ -123,8 +123,9 @@ void add_evaluate(CLI::App& program, int& exit_code) {
       ->required();
   command->add_option("ESTIMATE", options->estimate, "the trajectory to judge, in the same format")
       ->required();
-  command->add_option("--align", options->alignment, "what to align before: se3 (default), yaw or none")
-      ->transform(CLI::CheckedTransformer(kAlignments));
+  command->add_option("--align", options->alignment, "what to align before")
+      ->check(CLI::IsMember({"se3", "yaw", "none"}))
+      ->capture_default_str();
   command->add_flag("--json", options->json, "print JSON instead of text");
   command->callback([options, &exit_code] { exit_code = evaluate_files(*options); });
 }

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 
 #include "commands.hpp"
@@ -17,10 +18,27 @@ int fail(const Error& error) {
 
 namespace {
 
+/// One line for a command line that cannot be understood.
+std::string usage_error(const CLI::App* program, const CLI::Error& error) {
+  const std::vector<CLI::App*> given = program->get_subcommands();
+  const std::string command = given.empty() ? "mmlins" : "mmlins " + given.front()->get_name();
+  std::string what = error.what();
+  if (given.empty()) {
+    const std::vector<std::string> unknown = program->remaining();
+    what = unknown.empty() ? "give a command:"
+                           : fmt::format("there is no command '{}'; commands are", unknown.front());
+    for (const CLI::App* known : program->get_subcommands({})) what += " " + known->get_name();
+  }
+  std::replace(what.begin(), what.end(), '\n', ' ');
+  return fmt::format("mmlins: {}; see: {} --help\n", what, command);
+}
+
 int run_program(int argc, char** argv) {
-  CLI::App program{"mmlins: LiDAR-inertial odometry and mapping. A recording in, a trajectory and a map out."};
+  CLI::App program{
+      "mmlins: LiDAR-inertial odometry and mapping. A recording in, a trajectory and a map out."};
   program.set_version_flag("--version", "mmlins " MMLINS_VERSION);
   program.require_subcommand(1);
+  program.failure_message(usage_error);
   int exit_code = 0;
   add_run(program, exit_code);
   add_info(program, exit_code);
