@@ -224,7 +224,7 @@ TEST(YamlConfig, UnreadableFilesAreNamed) {
             "/nowhere/x.yaml: no such file; check the path");
   const std::string folder = std::filesystem::temp_directory_path().string();
   EXPECT_EQ(apply_yaml_file(config.fields(), folder).error().message,
-            folder + ": is a folder; give a YAML file");
+            folder + ": is a folder; give a file");
 }
 
 TEST(YamlConfig, FilesAreReadLikeText) {

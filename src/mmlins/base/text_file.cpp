@@ -18,22 +18,27 @@ Status write_text_file(const std::string& path, const std::string& text) {
   if (!file) {
     const std::string reason = std::strerror(errno);
     std::remove(temporary.c_str());
-    return make_error(ErrorCode::kIo, "cannot write {}: {}", path, reason);
+    return make_error(ErrorCode::kIo, "{}: cannot be written: {}", path, reason);
   }
   if (std::rename(temporary.c_str(), path.c_str()) != 0) {
     const std::string reason = std::strerror(errno);
     std::remove(temporary.c_str());
-    return make_error(ErrorCode::kIo, "cannot write {}: {}", path, reason);
+    return make_error(ErrorCode::kIo, "{}: cannot be written: {}", path, reason);
   }
   return {};
 }
 
 Result<std::string> read_text_file(const std::string& path) {
-  if (std::filesystem::is_directory(path)) return make_error(ErrorCode::kIo, "{} is a folder, not a file", path);
+  std::error_code failure;
+  if (std::filesystem::is_directory(path, failure)) {
+    return make_error(ErrorCode::kInvalid, "{}: is a folder; give a file", path);
+  }
   std::ifstream file(path, std::ios::binary);
-  if (!file) return make_error(ErrorCode::kNotFound, "cannot read {}: {}", path, std::strerror(errno));
+  if (!file && errno == ENOENT) return make_error(ErrorCode::kNotFound, "{}: no such file; check the path", path);
+  if (!file) return make_error(ErrorCode::kIo, "{}: cannot be read: {}", path, std::strerror(errno));
   std::ostringstream text;
   text << file.rdbuf();
+  if (file.bad()) return make_error(ErrorCode::kIo, "{}: reading failed; check the disk", path);
   return text.str();
 }
 

@@ -5,10 +5,9 @@
 #include <yaml-cpp/yaml.h>
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <map>
 
+#include "mmlins/base/text_file.hpp"
 #include "mmlins/config/field_index.hpp"
 #include "mmlins/config/yaml_value.hpp"
 
@@ -98,23 +97,13 @@ Result<YAML::Node> parse(const std::string& text, const std::string& source) {
   }
 }
 
-Result<std::string> read_text(const std::string& path) {
+Result<std::string> read_settings(const std::string& path) {
   std::error_code error;
-  if (!std::filesystem::exists(path, error)) {
-    return make_error(ErrorCode::kNotFound, "{}: no such file; check the path", path);
-  }
-  if (std::filesystem::is_directory(path, error)) {
-    return make_error(ErrorCode::kInvalid, "{}: is a folder; give a YAML file", path);
-  }
   if (const auto size = std::filesystem::file_size(path, error); !error && size > kLargestFile) {
     return make_error(ErrorCode::kInvalid, "{}: {} MB is too large for settings; give a YAML file", path,
                       size >> 20U);
   }
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return make_error(ErrorCode::kIo, "{}: cannot be opened; check its permissions", path);
-  std::string text{std::istreambuf_iterator<char>(file), {}};
-  if (file.bad()) return make_error(ErrorCode::kIo, "{}: reading failed; check the disk", path);
-  return text;
+  return read_text_file(path);
 }
 
 }  // namespace
@@ -133,7 +122,7 @@ Status apply_yaml(const Fields& fields, const std::string& yaml_text, const std:
 }
 
 Status apply_yaml_file(const Fields& fields, const std::string& path) {
-  const Result<std::string> text = read_text(path);
+  const Result<std::string> text = read_settings(path);
   if (!text) return text.error();
   return apply_yaml(fields, *text, path);
 }

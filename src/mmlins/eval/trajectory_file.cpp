@@ -5,10 +5,9 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <vector>
+
+#include "mmlins/base/text_file.hpp"
 
 namespace mmlins::eval {
 namespace {
@@ -90,17 +89,9 @@ Result<TumFile> parse_tum(std::string_view text, const std::string& source) {
 }
 
 Result<TumFile> read_tum(const std::string& path) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) {
-    return make_error(ErrorCode::kNotFound, "{}: no such file; check the path", path);
-  }
-  if (std::filesystem::is_directory(path, error)) {
-    return make_error(ErrorCode::kInvalid, "{}: is a folder; give a trajectory file (.tum)", path);
-  }
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return make_error(ErrorCode::kIo, "{}: cannot be opened; check its permissions", path);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  return parse_tum(text, path);
+  const Result<std::string> text = read_text_file(path);
+  if (!text) return text.error();
+  return parse_tum(*text, path);
 }
 
 std::string tum_line(const math::StampedPose& stamped) {
@@ -111,16 +102,9 @@ std::string tum_line(const math::StampedPose& stamped) {
 }
 
 Status write_tum(const std::string& path, const math::Trajectory& trajectory) {
-  const std::string unfinished = path + ".part";
-  std::ofstream file(unfinished, std::ios::binary | std::ios::trunc);
-  for (const math::StampedPose& stamped : trajectory) file << tum_line(stamped) << '\n';
-  file.close();
-  std::error_code error;
-  if (file) std::filesystem::rename(unfinished, path, error);
-  if (file && !error) return {};
-  std::filesystem::remove(unfinished, error);
-  return make_error(ErrorCode::kIo,
-                    "{}: cannot be written; check the folder, its permissions and the free space", path);
+  std::string text;
+  for (const math::StampedPose& stamped : trajectory) text += tum_line(stamped) + '\n';
+  return write_text_file(path, text);
 }
 
 }  // namespace mmlins::eval
