@@ -45,6 +45,7 @@ LidarConfig noise_free(LidarModelKind model) {
   LidarConfig config;
   config.model = model;
   config.range_noise = 0.0;
+  config.laser_bias = 0.0;
   config.dropout = 0.0;
   return config;
 }
@@ -59,6 +60,7 @@ TEST(LidarModel, NoiseOfAStandingScanHasTheDeclaredMeanAndDeviation) {
   const auto motion = make_motion(walking(100.0), {});
   LidarConfig config;
   config.range_noise = 0.015;
+  config.laser_bias = 0.0;
   const SimulatedScan made = scan_at(config, *motion, 1.0);
   const double n = static_cast<double>(made.scan.size());
   ASSERT_GT(n, 20'000);
@@ -157,6 +159,24 @@ TEST(ScanPattern, NonRepetitiveSensorsStayInTheirFieldOfViewAndDoNotRepeat) {
   for (const Beam& beam : avia->beams(from_seconds(1.0), from_seconds(1.1))) {
     EXPECT_LT(std::acos(beam.direction.x()) / kRadPerDeg, 36.0);
   }
+}
+
+TEST(LidarModel, EachLaserHasAConstantErrorOfItsOwn) {
+  const auto motion = make_motion(walking(100.0), {});
+  LidarConfig config = noise_free(LidarModelKind::kHdl32e);
+  config.laser_bias = 0.02;
+  const SimulatedScan made = scan_at(config, *motion, 1.0);
+  std::vector<double> bias(32, 0.0);
+  for (std::size_t i = 0; i < made.scan.size(); ++i) {
+    const double error =
+        static_cast<double>(made.scan.points[i].norm()) - static_cast<double>(made.truth.ranges[i]);
+    double& known = bias[made.scan.rings[i]];
+    if (known == 0.0) known = error;
+    EXPECT_NEAR(error, known, 1e-5);  // single precision
+  }
+  double square = 0.0;
+  for (const double b : bias) square += b * b;
+  EXPECT_NEAR(std::sqrt(square / 32.0), 0.02, 4.0 * 0.02 / std::sqrt(64.0));
 }
 
 TEST(LidarModel, DropsTheDeclaredShareOfShots) {

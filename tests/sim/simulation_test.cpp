@@ -122,6 +122,7 @@ TEST(Simulation, StampsHaveTheDeclaredRatesAndScansDoNotOverlap) {
 TEST(Simulation, MovingNoiseFreeScansLieOnTheUnevenWorldWhenPlacedByTheTruth) {
   SimulationConfig config = small();
   config.sensor.range_noise = 0.0;
+  config.sensor.laser_bias = 0.0;
   Simulation simulation(config);
   double worst = 0.0;
   while (true) {

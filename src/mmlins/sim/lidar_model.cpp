@@ -15,6 +15,7 @@ namespace {
 
 using math::Vector3d;
 
+constexpr std::size_t kMostLasers = 128;
 constexpr std::size_t kGrain = 512;  // beams per piece of parallel work
 // A pose is computed afresh at least this often and carried on with velocity, acceleration and angular rate
 // in between: what is left out, angular acceleration * t^2 / 2, stays below 1e-7 rad for 50 rad/s^2.
@@ -46,7 +47,10 @@ LidarModel::LidarModel(const LidarConfig& config, std::uint64_t seed)
       seed_(seed),
       T_imu_lidar_(config.T_imu_lidar()),
       min_cos_incidence_(std::cos(config.max_incidence_deg * std::numbers::pi / 180.0)),
-      pattern_(make_pattern(config, seed)) {}
+      pattern_(make_pattern(config, seed)) {
+  Random random(sub_seed(seed, kMostLasers));
+  for (std::size_t i = 0; i < kMostLasers; ++i) laser_biases_.push_back(config.laser_bias * random.normal());
+}
 
 Duration LidarModel::period() const { return from_seconds(1.0 / config_.rate_hz); }
 
@@ -97,14 +101,14 @@ LidarModel::Return LidarModel::measure(const World& world, const Ray& ray, const
   const auto hit = world.cast(ray, farthest);
   if (!hit) return {};
   // Every shot has random numbers of its own: no result depends on which thread does what.
-  Random random(sub_seed(seed_, static_cast<std::uint64_t>(beam.time.count()) * 128 + beam.ring));
+  Random random(sub_seed(seed_, static_cast<std::uint64_t>(beam.time.count()) * kMostLasers + beam.ring));
   const double cos_incidence = -hit->normal.dot(ray.direction);
   if (cos_incidence < min_cos_incidence_) return {};
   const double sure_range = kSureRangeShare * farthest / hit->range;
   const double strength = hit->reflectivity * cos_incidence / kSureReflectivity * sure_range * sure_range;
   const bool dropped = random.chance(config_.dropout) || random.uniform() > config_.point_share;
   const bool too_weak = random.uniform() > strength;
-  const double range = hit->range + config_.range_noise * random.normal();
+  const double range = hit->range + laser_biases_[beam.ring] + config_.range_noise * random.normal();
   if (dropped || too_weak || range < config_.nearest() || range > farthest) return {};
   return {(range * beam.direction).cast<float>(), static_cast<float>(hit->range),
           kFullIntensity * static_cast<float>(hit->reflectivity * cos_incidence), hit->surface};

@@ -27,6 +27,7 @@ struct LidarConfig {
   double min_range = 0.0;
   double max_range = 0.0;
   double range_noise = 0.012;
+  double laser_bias = 0.004;
   double dropout = 0.03;
   double max_incidence_deg = 84.0;
   double latency = 0.004;
@@ -78,6 +79,7 @@ class LidarModel {
   std::uint64_t seed_;
   math::SE3 T_imu_lidar_;
   double min_cos_incidence_;
+  std::vector<double> laser_biases_;  // by ring [m]
   std::unique_ptr<ScanPattern> pattern_;
 };
 

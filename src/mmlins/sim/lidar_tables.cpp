@@ -96,6 +96,8 @@ Fields LidarConfig::fields() {
       field("min_range", min_range, "m", {0.0, 100.0}, "nearer returns are lost; 0: the sensor's own"),
       field("max_range", max_range, "m", {0.0, 500.0}, "farther returns are lost; 0: the sensor's own"),
       field("range_noise", range_noise, "m", {0.0, 1.0}, "standard deviation of one range"),
+      field("laser_bias", laser_bias, "m", {0.0, 0.1},
+            "standard deviation of the constant range errors that calibration leaves to each laser"),
       field("dropout", dropout, "", {0.0, 1.0}, "share of shots that are lost for no reason"),
       field("max_incidence_deg", max_incidence_deg, "deg", {10.0, 88.0},
             "more grazing shots do not come back"),

@@ -23,7 +23,7 @@ constexpr double kMinSlope = 0.02;     // rays more grazing than this see no def
 
 ShapeWorld::ShapeWorld(std::vector<Shape> shapes, const Roughness& roughness)
     : bvh_(std::move(shapes)),
-      relief_({roughness.surfaces, 0.8, 3.0, false}, sub_seed(roughness.seed, 0)),
+      relief_({roughness.surfaces, 0.4, 3.0, false}, sub_seed(roughness.seed, 0)),
       ground_relief_({roughness.ground_waves, 9.0, 30.0, true}, sub_seed(roughness.seed, 1)) {}
 
 std::optional<Hit> ShapeWorld::cast(const Ray& ray, double max_range) const {
