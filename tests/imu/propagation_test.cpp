@@ -67,7 +67,8 @@ TEST(Propagation, ConstantForceGivesTheParabolaOfSchool) {
   const Vector3d accel_odom(0.3, 0.2, -0.1);
   sensor::ImuSamples samples;
   for (int i = 0; i <= 200; ++i) {
-    samples.push_back({kStart + from_seconds(0.01 * i), Vector3d::Zero(), accel_odom + Vector3d(0, 0, kGravity)});
+    samples.push_back(
+        {kStart + from_seconds(0.01 * i), Vector3d::Zero(), accel_odom + Vector3d(0, 0, kGravity)});
   }
   const NavState end = propagate({state, ErrorMatrix::Zero()}, samples, {}).estimate.state;
   EXPECT_EQ(end.time, samples.back().time);
@@ -134,8 +135,8 @@ sensor::ImuSamples ideal_samples() {
 
 ErrorMatrix start_covariance() {
   ErrorVector sigma;
-  sigma << Vector3d::Constant(2e-3), Vector3d::Constant(5e-3), Vector3d::Constant(0.01), Vector3d::Constant(1e-3),
-      Vector3d::Constant(0.01), Eigen::Vector2d::Constant(2e-3);
+  sigma << Vector3d::Constant(2e-3), Vector3d::Constant(5e-3), Vector3d::Constant(0.01),
+      Vector3d::Constant(1e-3), Vector3d::Constant(0.01), Eigen::Vector2d::Constant(2e-3);
   return sigma.cwiseAbs2().asDiagonal();
 }
 

@@ -113,7 +113,8 @@ TEST(Deskew, PointsBeforeTheTrajectoryTakeItsFirstPose) {
   const Cloud cloud = deskew(moving.scan, motion.trajectory(0.05, kSweep, 11), kT_imu_lidar, kAll);
   const SE3 T = motion.at(kSweep).inverse() * motion.at(0.05) * kT_imu_lidar;
   for (std::size_t i = 0; i < 50; ++i) {
-    EXPECT_LT((cloud.points[i].cast<double>() - T * moving.scan.points[i].cast<double>()).norm(), kRounding) << i;
+    EXPECT_LT((cloud.points[i].cast<double>() - T * moving.scan.points[i].cast<double>()).norm(), kRounding)
+        << i;
   }
 }
 
@@ -141,7 +142,8 @@ TEST(Deskew, InstantaneousScanTakesThePoseOfItsInstant) {
     const Cloud cloud = deskew(scan, poses, kT_imu_lidar, kAll);
     ASSERT_EQ(cloud.size(), scan.size());
     for (std::size_t i = 0; i < cloud.size(); ++i) {
-      EXPECT_LT((cloud.points[i].cast<double>() - kT_imu_lidar * scan.points[i].cast<double>()).norm(), kRounding);
+      EXPECT_LT((cloud.points[i].cast<double>() - kT_imu_lidar * scan.points[i].cast<double>()).norm(),
+                kRounding);
     }
   }
 }

@@ -74,7 +74,8 @@ Cloud surface() {
   sim::Random random(2);
   Cloud cloud;
   for (int i = 0; i < 100000; ++i) {
-    cloud.points.emplace_back(static_cast<float>(random.uniform(-10, 10)), static_cast<float>(random.uniform(-10, 10)), 0);
+    cloud.points.emplace_back(static_cast<float>(random.uniform(-10, 10)),
+                              static_cast<float>(random.uniform(-10, 10)), 0);
     cloud.source.push_back(static_cast<std::uint32_t>(i));
   }
   return cloud;
