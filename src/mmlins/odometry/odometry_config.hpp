@@ -22,7 +22,7 @@ struct ImuModelConfig {
 struct ScanConfig {
   int target_keypoints = 2000;
   double min_leaf = 0.1;
-  double max_leaf = 1.0;
+  double max_leaf = 1.5;
   double map_leaf_share = 0.5;
 
   [[nodiscard]] Fields fields();
@@ -42,7 +42,7 @@ struct LocalMapConfig {
   double radius = 150.0;
   double insert_distance = 0.1;
   double insert_angle_deg = 2.0;
-  int initial_insertions = 3;
+  int initial_insertions = 5;
   spatial::PlaneMapConfig planes;
   spatial::KnnMapConfig knn;
 

@@ -23,13 +23,6 @@ imu::ImuNoise imu_noise(const ImuModelConfig& config, const sensor::Rig& rig) {
           config.bias_walk_factor * rig.gyro_bias_walk, config.bias_walk_factor * rig.accel_bias_walk};
 }
 
-bool has_gap(const sensor::ImuSamples& samples, double max_gap) {
-  for (std::size_t i = 1; i < samples.size(); ++i) {
-    if (to_seconds(samples[i].time - samples[i - 1].time) > max_gap) return true;
-  }
-  return false;
-}
-
 }  // namespace
 
 ScanTracker::ScanTracker(const OdometryConfig& config, const sensor::Rig& rig, const imu::Estimate& start)
@@ -48,6 +41,7 @@ ScanResult ScanTracker::track(std::shared_ptr<const sensor::LidarScan> scan, con
 
   // 1. Where did the IMU say we went while the LiDAR was sweeping?
   const sensor::ImuSamples samples = imu.covering(estimate_.state.time, scan->end_time);
+  const bool gap = to_seconds(imu.longest_gap(estimate_.state.time, scan->end_time)) > config_.imu.max_gap;
   MMLINS_CHECK(!samples.empty());
   const imu::Propagation motion = imu::propagate(estimate_, samples, noise_);
   result.times.propagate = stopwatch.lap_ms();
@@ -67,7 +61,7 @@ ScanResult ScanTracker::track(std::shared_ptr<const sensor::LidarScan> scan, con
   // 4. Correct the state against the map.
   LidarMeasurement measurement(keypoints.points, *map_, config_.matching,
                                {rig_.bearing_noise_deg * kRadiansPerDegree, rig_.T_imu_lidar().t});
-  const bool first = num_insertions_ == 0;
+  const bool first = num_insertions_ == 0 && cloud_imu->size() > 0;
   filter::UpdateReport update;
   update.estimate = motion.estimate;
   if (!first) {
@@ -87,7 +81,7 @@ ScanResult ScanTracker::track(std::shared_ptr<const sensor::LidarScan> scan, con
   result.estimate = estimate_;
   result.state = matched || first ? TrackingState::kTracking : TrackingState::kBridging;
   if (!matched && !first) result.cause = cloud_imu->size() == 0 ? Cause::kNoPoints : Cause::kTooFewMatches;
-  if (result.cause == Cause::kNone && has_gap(samples, config_.imu.max_gap)) result.cause = Cause::kImuGap;
+  if (result.cause == Cause::kNone && gap) result.cause = Cause::kImuGap;
   result.num_points = static_cast<int>(cloud_imu->size());
   result.num_keypoints = static_cast<int>(keypoints.size());
   result.num_matches = update.information.num_residuals;

@@ -3,8 +3,10 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
+#include <optional>
 
 #include "mmlins/base/check.hpp"
+#include "mmlins/odometry/inertial_alignment.hpp"
 
 namespace mmlins::odometry {
 namespace {
@@ -20,7 +22,9 @@ constexpr double kDefinedByFrame = 1e-5;
 // With this speed change between passes, straightening a scan of 0.1 s changes by 2 mm [m/s].
 constexpr double kSettledSpeed = 0.02;
 constexpr double kRestSpeedDeviation = 0.02;      // [m/s]
-constexpr double kSecondPassSpeedDeviation = 1.0; // [m/s]
+constexpr double kAlignedSpeedDeviation = 0.5;    // [m/s]
+constexpr double kAlignedForceDeviation = 0.5;    // as a measurement of gravity [m/s^2]
+constexpr double kFirstPassShare = 0.25;          // of the window
 constexpr double kRestGyroDeviation = 1e-3;       // of the mean over the window [rad/s]
 constexpr double kRestAccelDeviation = 0.02;      // of the mean over the window [m/s^2]
 
@@ -101,6 +105,7 @@ PriorWidth prior_width(const StartConfig& config, bool at_rest) {
 Start run_window(const OdometryConfig& config, const sensor::Rig& rig, const std::vector<ScanPointer>& scans,
                  const sensor::ImuBuffer& imu, const Estimate& prior) {
   Start start;
+  start.prior = prior;
   start.tracker = std::make_unique<ScanTracker>(config, rig, prior);
   for (const ScanPointer& scan : scans) start.results.push_back(start.tracker->track(scan, imu));
   return start;
@@ -110,6 +115,42 @@ Start run_window(const OdometryConfig& config, const sensor::Rig& rig, const std
 bool scans_say_rest(const Start& start, const StartConfig& config, double window) {
   const NavState& end = start.tracker->estimate().state;
   return end.v_odom.norm() < config.rest_speed && end.p_odom.norm() < config.rest_speed * window;
+}
+
+/// The prior of the next pass: velocity and gravity from the positions of this one. Biases are not carried
+/// over: a pass may blame them for what the unknown velocity did.
+std::optional<Estimate> prior_from_pass(const Start& pass, const sensor::ImuSamples& samples, const StartConfig& config) {
+  math::Trajectory T_odom_imu;
+  for (const ScanResult& result : pass.results) {
+    T_odom_imu.push_back({result.time, result.estimate.state.T_odom_imu()});
+  }
+  NavState begin = pass.prior.state;
+  const auto aligned = align_inertially(samples, T_odom_imu, begin);
+  if (!aligned) return std::nullopt;
+  begin.v_odom = aligned->v_odom;
+  begin.gravity_odom = aligned->gravity_odom;
+  begin = levelled(begin);
+  return Estimate{begin, prior_covariance(begin, {kAlignedSpeedDeviation, config.gyro_bias, config.accel_bias,
+                                                  kAlignedForceDeviation})};
+}
+
+/// Goes over the window again and again, at first only over its beginning: a map that was built with a wrong
+/// velocity misleads the scans after it, so it is thrown away early.
+Start start_in_motion(const OdometryConfig& config, const sensor::Rig& rig, const std::vector<ScanPointer>& scans,
+                      const sensor::ImuBuffer& imu, Estimate prior) {
+  for (int pass = 1;; ++pass) {
+    const double share = std::min(1.0, kFirstPassShare * std::pow(2.0, pass - 1));
+    const auto count = std::max<std::size_t>(std::min<std::size_t>(5, scans.size()),
+                                             static_cast<std::size_t>(share * static_cast<double>(scans.size())));
+    const bool whole = count >= scans.size();
+    Start start = run_window(config, rig, {scans.begin(), scans.begin() + static_cast<std::ptrdiff_t>(count)}, imu, prior);
+    start.passes = pass;
+    const sensor::ImuSamples samples = imu.covering(prior.state.time, start.results.back().time);
+    const std::optional<Estimate> next = prior_from_pass(start, samples, config.start);
+    const bool settled = !next || (next->state.v_odom - prior.state.v_odom).norm() < kSettledSpeed;
+    if (whole && (settled || pass >= config.start.max_passes)) return start;
+    if (next) prior = *next;
+  }
 }
 
 }  // namespace
@@ -152,19 +193,7 @@ std::unique_ptr<Start> find_start(const OdometryConfig& config, const sensor::Ri
     if (window < config.start.motion_window) return nullptr;
   }
 
-  auto start = std::make_unique<Start>();
-  for (int pass = 1; pass <= config.start.max_passes; ++pass) {
-    *start = run_window(config, rig, scans, imu, prior);
-    start->passes = pass;
-    const NavState at_begin = levelled(imu::integrate_backwards(start->tracker->estimate().state, samples));
-    const double change = (at_begin.v_odom - prior.state.v_odom).norm();
-    if (change < kSettledSpeed) break;
-    // The next pass starts from better values; its prior stays wide, for the same scans speak again.
-    PriorWidth width = prior_width(config.start, false);
-    width.speed = kSecondPassSpeedDeviation;
-    prior = {at_begin, prior_covariance(at_begin, width)};
-  }
-  return start;
+  return std::make_unique<Start>(start_in_motion(config, rig, scans, imu, prior));
 }
 
 }  // namespace mmlins::odometry

@@ -17,6 +17,7 @@ using ScanPointer = std::shared_ptr<const sensor::LidarScan>;
 struct Start {
   std::unique_ptr<ScanTracker> tracker;
   std::vector<ScanResult> results;
+  imu::Estimate prior;   ///< what the tracker began with
   bool at_rest = false;
   int passes = 0;
 };

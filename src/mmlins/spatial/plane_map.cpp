@@ -18,6 +18,8 @@ Fields PlaneMapConfig::fields() {
       field("max_thickness", max_thickness, "m", {0.001, 1.0}, "standard deviation across the plane that still counts as flat"),
       field("max_flatness_ratio", max_flatness_ratio, "", {1e-4, 0.5},
             "largest ratio of the variance across the plane to the smaller variance along it"),
+      field("min_width_sigmas", min_width_sigmas, "", {0.0, 100.0},
+            "the narrower spread along a plane must exceed this many standard deviations of the range"),
       field("offset_noise", offset_noise, "m", {0.0, 0.5},
             "standard deviation of a plane's position that no number of points averages out: the poses they were seen from"),
   };
@@ -67,7 +69,10 @@ void PlaneMap::fit_plane(Cell& cell) const {
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
   solver.computeDirect(scatter);
   const Eigen::Vector3d spread = solver.eigenvalues().cwiseMax(0.0);
-  cell.is_plane = spread(0) < config_.max_thickness * config_.max_thickness &&
+  // Range noise alone spreads the points of one ring along the beam: together with the ring's own direction
+  // that makes a perfect plane which is not there, the one that the beams sweep.
+  const double least_width2 = config_.min_width_sigmas * config_.min_width_sigmas * range_variance_;
+  cell.is_plane = spread(1) > least_width2 && spread(0) < config_.max_thickness * config_.max_thickness &&
                   spread(0) < config_.max_flatness_ratio * spread(1);
   cell.mean = mean.cast<float>();
   cell.normal = solver.eigenvectors().col(0).cast<float>();
@@ -90,7 +95,7 @@ PlaneMatch PlaneMap::match_cell(const Cell& cell, const Eigen::Vector3d& point, 
   match.distance = distance;
   match.surface_variance = std::max(static_cast<double>(cell.spread(0)), range_variance_);
   match.plane_variance =
-      match.surface_variance * lever / cell.num_points_at_fit + config_.offset_noise * config_.offset_noise;
+      lever * (match.surface_variance / cell.num_points_at_fit + config_.offset_noise * config_.offset_noise);
   return match;
 }
 

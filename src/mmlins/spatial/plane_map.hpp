@@ -21,7 +21,8 @@ struct PlaneMapConfig {
   int max_points = 200;
   double max_thickness = 0.06;
   double max_flatness_ratio = 0.04;
-  double offset_noise = 0.003;
+  double min_width_sigmas = 4.0;
+  double offset_noise = 0.005;
 
   [[nodiscard]] Fields fields();
 };
