@@ -193,6 +193,22 @@ TEST(Propagation, CovarianceIsThatOfTheErrorsOfManyNoisyRuns) {
   EXPECT_NEAR(mean.trace() / kErrorSize, 1.0, 5.0 * std::sqrt(2.0 / (kErrorSize * kRuns)));
 }
 
+TEST(Propagation, APauseIsNotTakenForMotion) {
+  sim::Random random(6);
+  NavState state = random_state(random);
+  state.v_odom = {3.0, 0.0, 0.0};
+  const sensor::ImuSample before{kStart, {1.0, 0.0, 0.0}, {0.0, 5.0, 0.0}};
+  sensor::ImuSample later = before;
+  later.time += from_seconds(100.0);
+  const Estimate start{state, start_covariance()};
+  const Estimate end = propagate(start, {before, later}, kNoise).estimate;
+  EXPECT_EQ(end.state.time, later.time);
+  EXPECT_EQ(end.state.p_odom, state.p_odom);
+  EXPECT_EQ(end.state.v_odom, state.v_odom);
+  EXPECT_EQ(end.state.R_odom_imu, state.R_odom_imu);
+  for (int i = kRotation; i < kGyroBias; ++i) EXPECT_GT(end.P(i, i), start.P(i, i) + 0.01) << i;
+}
+
 TEST(Propagation, NoiseOfTwoHalfStepsIsNearlyThatOfTheWhole) {
   // Nothing turns and nothing pushes, so that a step's length does not matter to the motion.
   const NavState state;

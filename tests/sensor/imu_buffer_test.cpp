@@ -71,6 +71,20 @@ TEST(ImuBuffer, ForgettingKeepsWhatLaterStretchesNeed) {
   EXPECT_EQ(buffer.oldest(), at(20.0));
 }
 
+TEST(ImuBuffer, TheLongestGapIsThatBetweenSamplesEvenIfTheStretchLiesWithinIt) {
+  const auto gap = [](double begin, double end) {
+    return 1e3 * to_seconds(make_buffer().longest_gap(at(begin), at(end)));
+  };
+  EXPECT_DOUBLE_EQ(gap(0.0, 20.0), 7.0);
+  EXPECT_DOUBLE_EQ(gap(0.0, 10.0), 5.0);
+  EXPECT_DOUBLE_EQ(gap(12.0, 13.0), 7.0);
+  EXPECT_DOUBLE_EQ(gap(18.0, 19.0), 3.0);
+  EXPECT_DOUBLE_EQ(gap(18.0, 50.0), 30.0);
+  EXPECT_DOUBLE_EQ(gap(30.0, 50.0), 30.0);
+  EXPECT_DOUBLE_EQ(gap(-9.0, 2.0), 9.0);
+  EXPECT_EQ(ImuBuffer().longest_gap(at(0.0), at(3.0)), from_seconds(0.003));
+}
+
 TEST(ImuBuffer, AnEmptyBufferCoversNothing) { EXPECT_TRUE(ImuBuffer().covering(at(0.0), at(1.0)).empty()); }
 
 }  // namespace

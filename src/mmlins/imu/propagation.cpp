@@ -10,6 +10,15 @@ ImuStep step_between(const sensor::ImuSample& a, const sensor::ImuSample& b) {
   return {to_seconds(b.time - a.time), 0.5 * (a.gyro + b.gyro), 0.5 * (a.accel + b.accel)};
 }
 
+/// What may have changed while nothing was recorded: 0.2 rad, 1 m, 1 m/s.
+ErrorMatrix doubt_after_pause() {
+  ErrorVector sigma = ErrorVector::Zero();
+  sigma.segment<3>(kRotation).setConstant(0.2);
+  sigma.segment<3>(kPosition).setConstant(1.0);
+  sigma.segment<3>(kVelocity).setConstant(1.0);
+  return sigma.cwiseAbs2().asDiagonal();
+}
+
 }  // namespace
 
 NavState integrate(const NavState& state, const ImuStep& step) {
@@ -73,9 +82,13 @@ Propagation propagate(const Estimate& start, const sensor::ImuSamples& samples, 
   Estimate& now = result.estimate;
   for (std::size_t i = 1; i < samples.size(); ++i) {
     const ImuStep step = step_between(samples[i - 1], samples[i]);
-    const ErrorMatrix F = transition(now.state, step);
-    now.P = F * now.P * F.transpose() + step_noise(step, noise);
-    now.state = integrate(now.state, step);
+    if (step.dt > kLongestStep) {
+      now.P += doubt_after_pause();
+    } else {
+      const ErrorMatrix F = transition(now.state, step);
+      now.P = F * now.P * F.transpose() + step_noise(step, noise);
+      now.state = integrate(now.state, step);
+    }
     now.state.time = samples[i].time;
     result.T_odom_imu.push_back({now.state.time, now.state.T_odom_imu()});
   }

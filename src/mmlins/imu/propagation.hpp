@@ -43,7 +43,11 @@ struct Propagation {
   math::Trajectory T_odom_imu;
 };
 
-/// Integrates from `start` through `samples`, of which the first must be at start.state.time.
+/// A longer step [s] is a clock that was set forward or a recording that paused, not a motion to integrate.
+inline constexpr double kLongestStep = 1.0;
+
+/// Integrates from `start` through `samples`, of which the first must be at start.state.time. Across steps
+/// longer than kLongestStep the motion is taken to go on afterwards as it was before, with much doubt.
 [[nodiscard]] Propagation propagate(const Estimate& start, const sensor::ImuSamples& samples, const ImuNoise& noise);
 
 /// The state at the first sample, given that at the last: exact inverse of integrating forwards.

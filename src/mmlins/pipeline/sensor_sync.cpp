@@ -33,7 +33,7 @@ void SensorSync::add(const sensor::ImuSample& sample) {
     ++num_late_imu_samples_;
     return;
   }
-  if (newest_imu_) imu_period_ = shifted.time - *newest_imu_;
+  if (newest_imu_ && shifted.time - *newest_imu_ < kClockJump) imu_period_ = shifted.time - *newest_imu_;
   newest_imu_ = shifted.time;
   imu_.push_back(shifted);
 }

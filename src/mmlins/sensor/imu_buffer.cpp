@@ -38,6 +38,19 @@ ImuSample ImuBuffer::sample_at(Time time) const {
   return result;
 }
 
+Duration ImuBuffer::longest_gap(Time begin, Time end) const {
+  MMLINS_CHECK(begin <= end);
+  auto next = std::lower_bound(samples_.begin(), samples_.end(), begin, earlier);
+  Time previous = next == samples_.begin() ? begin : std::prev(next)->time;
+  Duration longest{0};
+  while (previous < end) {
+    const Time until = next == samples_.end() ? end : (next++)->time;
+    longest = std::max(longest, until - previous);
+    previous = until;
+  }
+  return longest;
+}
+
 ImuSamples ImuBuffer::covering(Time begin, Time end) const {
   MMLINS_CHECK(begin <= end);
   if (samples_.empty()) return {};

@@ -21,6 +21,10 @@ class ImuBuffer {
   /// interpolated; where the buffer does not reach, its nearest sample is held. Empty if there are none.
   [[nodiscard]] ImuSamples covering(Time begin, Time end) const;
 
+  /// Longest time without a sample that falls into [begin, end] at least in part. Time before the oldest
+  /// sample or after the newest counts up to the end of the stretch.
+  [[nodiscard]] Duration longest_gap(Time begin, Time end) const;
+
   [[nodiscard]] bool empty() const { return samples_.empty(); }
   [[nodiscard]] Time oldest() const { return samples_.front().time; }
   [[nodiscard]] Time newest() const { return samples_.back().time; }
