@@ -95,6 +95,7 @@ int run(const RunOptions& options) {
   parallel::set_num_threads(options.num_threads);
   auto opened = io::open_dataset(options.recording, rig);
   if (!opened) return fail(opened.error());
+  const bool is_new_folder = !std::filesystem::exists(options.out);
   if (Status status = pipeline::prepare_folder(options.out); !status) return fail(status.error());
 
   std::signal(SIGINT, request_stop);
@@ -106,6 +107,8 @@ int run(const RunOptions& options) {
   });
   progress.finish();
   if (result.scans.empty()) {
+    std::error_code not_empty;
+    if (is_new_folder) std::filesystem::remove(options.out, not_empty);
     return fail(make_error(ErrorCode::kInvalid, "{}: no scan could be used{}{}; look at it with: mmlins info {}",
                            options.recording, result.read_error.empty() ? "" : ": ", result.read_error, options.recording));
   }

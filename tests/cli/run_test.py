@@ -1,0 +1,300 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""mmlins run as a user runs it: its files, determinism, interruption, and one clear line for what is wrong."""
+
+import csv
+import filecmp
+import json
+import os
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+
+MMLINS = sys.argv[1] if len(sys.argv) > 1 else "mmlins"
+FILES = ["config.yaml", "health.csv", "map.pcd", "odometry.tum", "rig.yaml", "summary.json", "trajectory.tum"]
+SHARED = tempfile.TemporaryDirectory()
+
+
+def mmlins(*arguments):
+    return subprocess.run([MMLINS, *arguments], capture_output=True, text=True, timeout=300)
+
+
+def shared(name):
+    return os.path.join(SHARED.name, name)
+
+
+def text_of(path):
+    with open(path) as file:
+        return file.read()
+
+
+def poses_of(path):
+    return [line.split() for line in text_of(path).splitlines() if not line.startswith("#")]
+
+
+def ns_of(stamp):
+    seconds, fraction = stamp.split(".")
+    return int(seconds) * 10**9 + int(fraction.ljust(9, "0"))
+
+
+def setUpModule():
+    """A recording of 6 s with few points, and one of 40 s with many: that takes a while to run."""
+    for name, duration, columns in (("short", 6, 160), ("long", 40, 900)):
+        result = mmlins("simulate", "demo", "--out", shared(name), "--set", f"duration={duration}",
+                        "--set", "trajectory.stand_still=1.5", "--set", f"sensor.columns={columns}")
+        assert result.returncode == 0, result.stderr
+
+
+def tearDownModule():
+    SHARED.cleanup()
+
+
+class Run(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        self.bag = shared("short/recording.bag")
+        self.rig = shared("short/rig.yaml")
+
+    def path(self, name):
+        return os.path.join(self.folder.name, name)
+
+    def write(self, name, text):
+        with open(self.path(name), "w") as file:
+            file.write(text)
+        return self.path(name)
+
+    def run_into(self, name, *options):
+        result = mmlins("run", self.bag, "--rig", self.rig, "--out", self.path(name), *options)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return result
+
+    def assert_same_bytes(self, a, b, names=("odometry.tum", "trajectory.tum", "map.pcd", "config.yaml", "rig.yaml")):
+        for name in names:
+            self.assertTrue(filecmp.cmp(self.path(f"{a}/{name}"), self.path(f"{b}/{name}"), shallow=False), name)
+
+    def assert_refused(self, result, *words):
+        """Exit code 1, one line that holds all words, and no output."""
+        self.assertEqual(result.returncode, 1, result.stderr)
+        lines = [line for line in result.stderr.splitlines() if line.strip()]
+        self.assertEqual(len(lines), 1, result.stderr)
+        for word in words:
+            self.assertIn(word, lines[0])
+        self.assertFalse(os.path.exists(self.path("out")), "something was left behind")
+
+
+class Output(Run):
+    def test_writes_its_files_and_nothing_else(self):
+        result = self.run_into("out")
+        self.assertEqual(sorted(os.listdir(self.path("out"))), FILES)
+        self.assertIn(self.path("out"), result.stdout)
+
+    def test_trajectories_have_one_pose_per_scan_in_order_with_nine_decimals(self):
+        self.run_into("out")
+        poses = poses_of(self.path("out/odometry.tum"))
+        self.assertEqual(len(poses), json.loads(text_of(self.path("out/summary.json")))["scans"])
+        self.assertGreater(len(poses), 55)  # of the 59 whole scans of 6 s
+        for pose in poses:
+            self.assertEqual(len(pose), 8)
+            self.assertRegex(pose[0], r"^\d+\.\d{9,}$")
+            self.assertAlmostEqual(sum(float(q) ** 2 for q in pose[4:]), 1.0, places=9)
+        stamps = [ns_of(pose[0]) for pose in poses]
+        self.assertTrue(all(a < b for a, b in zip(stamps, stamps[1:])))
+        self.assertTrue(filecmp.cmp(self.path("out/odometry.tum"), self.path("out/trajectory.tum"), shallow=False))
+
+    def test_the_trajectory_is_that_of_the_truth(self):
+        self.run_into("out")
+        result = mmlins("evaluate", shared("short/truth.tum"), self.path("out/odometry.tum"), "--json")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        # The scenario tests hold it to less; this is about having understood the recording at all.
+        self.assertLess(json.loads(result.stdout)["ate_m"]["rmse"], 0.05)
+
+    def test_health_has_a_row_per_scan_with_finite_numbers(self):
+        self.run_into("out")
+        with open(self.path("out/health.csv"), newline="") as file:
+            rows = list(csv.DictReader(file))
+        poses = poses_of(self.path("out/odometry.tum"))
+        self.assertEqual([row["time"] for row in rows], [pose[0] for pose in poses])
+        for row in rows:
+            self.assertNotIn(None, row)
+            self.assertIn(row["state"], ("INITIALIZING", "TRACKING", "BRIDGING"))
+            for name, value in row.items():
+                if name not in ("time", "state", "cause"):
+                    self.assertGreaterEqual(float(value), 0.0, name)
+                    self.assertLess(float(value), 1e6, name)
+            stages = sum(float(row[name]) for name in row if name.endswith("_ms") and name != "total_ms")
+            self.assertAlmostEqual(float(row["total_ms"]), stages, delta=0.005)  # each rounded to 1 us
+
+    def test_summary_counts_what_the_other_files_hold(self):
+        self.run_into("out")
+        summary = json.loads(text_of(self.path("out/summary.json")))
+        self.assertEqual(summary["scans"], len(poses_of(self.path("out/odometry.tum"))))
+        self.assertEqual(sum(summary["scans_by_state"].values()), summary["scans"])
+        self.assertEqual(summary["recording"], self.bag)
+        self.assertFalse(summary["interrupted"])
+        self.assertEqual(summary["read_error"], "")
+        self.assertAlmostEqual(summary["duration_s"], 5.8, delta=0.11)
+        self.assertGreater(summary["path_length_m"], 1.0)
+        self.assertGreater(summary["peak_memory_mib"], 1.0)
+        for name, stage in summary["stages"].items():
+            self.assertLessEqual(stage["median_ms"], stage["p99_ms"], name)
+            self.assertLessEqual(stage["p99_ms"], stage["max_ms"], name)
+        self.assertIn("map_voxel", summary["config"])
+
+    def test_map_is_a_binary_pcd_with_intensity(self):
+        self.run_into("out")
+        with open(self.path("out/map.pcd"), "rb") as file:
+            head, data = file.read().split(b"DATA binary\n", 1)
+        fields = dict(line.split(" ", 1) for line in head.decode().splitlines() if not line.startswith("#"))
+        self.assertEqual(fields["FIELDS"], "x y z intensity")
+        count = int(fields["POINTS"])
+        self.assertEqual(count, json.loads(text_of(self.path("out/summary.json")))["map_points"])
+        self.assertEqual(len(data), 16 * count)
+        points = list(struct.iter_unpack("<4f", data))
+        self.assertLess(max(abs(value) for point in points for value in point[:3]), 200.0)  # the hall is smaller
+        self.assertGreater(max(point[3] for point in points), 0.0)
+
+    def test_larger_map_voxels_leave_fewer_points(self):
+        counts = []
+        for voxel in ("0.1", "1"):
+            self.run_into("v" + voxel, "--set", "output.map_voxel=" + voxel)
+            counts.append(json.loads(text_of(self.path(f"v{voxel}/summary.json")))["map_points"])
+        self.assertLess(counts[1], counts[0])
+
+    def test_a_second_run_replaces_the_first(self):
+        self.run_into("out", "--set", "output.map_voxel=1")
+        self.run_into("out", "--set", "output.map_voxel=0.5")
+        self.run_into("fresh", "--set", "output.map_voxel=0.5")
+        self.assertEqual(sorted(os.listdir(self.path("out"))), FILES)
+        self.assert_same_bytes("out", "fresh")
+
+
+class Determinism(Run):
+    def test_same_bytes_whatever_the_number_of_threads_and_again(self):
+        self.run_into("one", "--threads", "1")
+        self.run_into("two", "--threads", "2")
+        self.run_into("again", "--threads", "2")
+        self.assert_same_bytes("one", "two")
+        self.assert_same_bytes("two", "again")
+
+    def test_its_config_and_rig_passed_back_reproduce_the_run(self):
+        self.run_into("first", "--set", "output.map_voxel=0.37", "--set", "odometry.scan.target_keypoints=300")
+        result = mmlins("run", self.bag, "--rig", self.path("first/rig.yaml"), "--config",
+                        self.path("first/config.yaml"), "--out", self.path("second"))
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assert_same_bytes("first", "second")
+        # The settings do matter.
+        self.run_into("default")
+        self.assertFalse(filecmp.cmp(self.path("first/odometry.tum"), self.path("default/odometry.tum"), shallow=False))
+
+
+class BadInput(Run):
+    def refuse(self, *words, bag=None, options=()):
+        self.assert_refused(mmlins("run", bag or self.bag, "--out", self.path("out"), *options), *words)
+
+    def test_misspelt_rig_key(self):
+        rig = self.write("rig.yaml", "min_range: 0.4\nlidar_topik: /points\n")
+        self.refuse("rig.yaml:2", "lidar_topik", "lidar_topic", options=["--rig", rig])
+
+    def test_quaternion_that_is_no_rotation(self):
+        rig = self.write("rig.yaml", "q_imu_lidar_xyzw: [0, 0, 0.5, 0.5]\n")
+        self.refuse("rig.yaml", "q_imu_lidar_xyzw", options=["--rig", rig])
+
+    def test_config_value_out_of_range_and_of_the_wrong_type(self):
+        config = self.write("config.yaml", "output:\n  map_voxel: -1\n")
+        self.refuse("config.yaml:2", "map_voxel", options=["--config", config])
+        config = self.write("config.yaml", "output:\n  map_voxel: fine\n")
+        self.refuse("config.yaml:2", "map_voxel", options=["--config", config])
+        self.refuse("map_voxel", options=["--set", "output.map_voxel=0"])
+        self.refuse("map_voxels", "map_voxel", options=["--set", "output.map_voxels=1"])
+
+    def test_missing_files(self):
+        self.refuse("nowhere.bag", bag=self.path("nowhere.bag"))
+        self.refuse("nowhere.yaml", options=["--rig", self.path("nowhere.yaml")])
+        self.refuse("nowhere.yaml", options=["--config", self.path("nowhere.yaml")])
+
+    def test_files_that_are_no_bags(self):
+        self.refuse("empty.bag", bag=self.write("empty.bag", ""))
+        self.refuse("text.bag", bag=self.write("text.bag", "this is no bag\n" * 100))
+
+    def test_topic_that_is_not_there(self):
+        self.refuse("/velodyne", "/points", options=["--rig", self.write("rig.yaml", "lidar_topic: /velodyne\n")])
+
+    def test_truncated_bag(self):
+        with open(self.bag, "rb") as whole, open(self.path("cut.bag"), "wb") as cut:
+            cut.write(whole.read()[:os.path.getsize(self.bag) * 2 // 3])
+        self.refuse("cut.bag", "truncated", bag=self.path("cut.bag"))
+
+    def test_recording_of_which_no_scan_can_be_used(self):
+        # The clock of the LiDAR is said to be so far behind that the IMU begins only after its end.
+        rig = self.write("rig.yaml", "lidar_time_offset: -10\n")
+        result = mmlins("run", self.bag, "--rig", rig, "--out", self.path("out"))
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("no scan", result.stderr.splitlines()[-1])
+        self.assertFalse(os.path.exists(self.path("out")), "something was left behind")
+
+    def test_output_below_a_file(self):
+        self.write("file", "")
+        result = mmlins("run", self.bag, "--out", self.path("file/sub"))
+        self.assert_refused(result, "file/sub")
+
+    @unittest.skipIf(os.geteuid() == 0, "root may write anywhere")
+    def test_output_folder_without_permission(self):
+        os.mkdir(self.path("locked"), 0o555)
+        self.assert_refused(mmlins("run", self.bag, "--out", self.path("locked")), "locked")
+        self.assertEqual(os.listdir(self.path("locked")), [])
+
+    def test_damage_in_the_middle_keeps_what_came_before(self):
+        with open(self.bag, "rb") as whole:
+            data = bytearray(whole.read())
+        middle = len(data) // 2
+        data[middle:middle + len(data) // 10] = b"\xff" * (len(data) // 10)
+        with open(self.path("damaged.bag"), "wb") as file:
+            file.write(data)
+        result = mmlins("run", self.path("damaged.bag"), "--rig", self.rig, "--out", self.path("out"))
+        self.assertEqual(result.returncode, 1, result.stderr)
+        for word in ("damaged.bag", "saved"):
+            self.assertIn(word, result.stderr.splitlines()[-1])
+        self.assertEqual(sorted(os.listdir(self.path("out"))), FILES)
+        summary = json.loads(text_of(self.path("out/summary.json")))
+        self.assertEqual(summary["scans"], len(poses_of(self.path("out/odometry.tum"))))
+        self.assertGreater(summary["scans"], 10)
+        self.assertLess(summary["scans"], 50)
+        self.assertNotEqual(summary["read_error"], "")
+
+
+class Interruption(Run):
+    def test_ctrl_c_saves_what_there_is_and_says_so(self):
+        for number in (signal.SIGINT, signal.SIGTERM):
+            with self.subTest(signal=number):
+                out = self.path("out%d" % number)
+                # One thread and every point: some seconds of work. Lines of progress come at every tenth.
+                command = [MMLINS, "run", shared("long/recording.bag"), "--rig", shared("long/rig.yaml"), "--out", out,
+                           "--threads", "1", "--set", "odometry.scan.target_keypoints=20000"]
+                process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+                self.addCleanup(process.kill)
+                seen = ""
+                while "%" not in seen:
+                    line = process.stderr.readline()
+                    self.assertNotEqual(line, "", "ended before any progress was shown: " + seen)
+                    seen += line
+                process.send_signal(number)
+                _, rest = process.communicate(timeout=120)
+                self.assertEqual(process.returncode, 130, seen + rest)
+                last = rest.splitlines()[-1]
+                self.assertIn("interrupted", last)
+                self.assertIn(out, last)
+                self.assertEqual(sorted(os.listdir(out)), FILES)
+                summary = json.loads(text_of(os.path.join(out, "summary.json")))
+                self.assertTrue(summary["interrupted"])
+                self.assertEqual(summary["scans"], len(poses_of(os.path.join(out, "odometry.tum"))))
+                self.assertIn(str(summary["scans"]), last)
+                self.assertGreater(summary["scans"], 0)
+                self.assertLess(summary["scans"], 390)  # of 399
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0]])
