@@ -11,8 +11,8 @@ namespace mmlins::odometry {
 enum class MapKind { kPlanes, kKnn };
 
 struct ImuModelConfig {
-  double gyro_noise_factor = 3.0;
-  double accel_noise_factor = 3.0;
+  double gyro_noise_factor = 1.5;
+  double accel_noise_factor = 10.0;
   double bias_walk_factor = 1.0;
   double max_gap = 0.1;
 
@@ -32,7 +32,7 @@ struct MatchingConfig {
   int max_iterations = 5;
   int min_matches = 50;
   double gate_sigmas = 3.0;
-  double huber_sigmas = 1.5;
+  double huber_sigmas = 1.0;
 
   [[nodiscard]] Fields fields();
 };

@@ -22,7 +22,7 @@ struct PlaneMapConfig {
   double max_thickness = 0.06;
   double max_flatness_ratio = 0.04;
   double min_width_sigmas = 4.0;
-  double offset_noise = 0.005;
+  double offset_noise = 0.01;
 
   [[nodiscard]] Fields fields();
 };
