@@ -218,6 +218,73 @@ TEST(YamlConfig, LongCommentsAreWrapped) {
   EXPECT_GE(count, 4);
 }
 
+struct Item {
+  double size = 1.0;
+  Kind kind = Kind::kPlane;
+  std::string label;
+  LidarConfig lidar;
+  Fields fields() {
+    return {field("size", size, "m", {0.0, 10.0}, "of the item"),
+            field("kind", kind, {"plane", "knn"}, "of the item"), field("label", label, "of the item"),
+            group("lidar", lidar, "its own")};
+  }
+};
+
+struct ListConfig {
+  std::vector<Item> items{Item{7.0, Kind::kPlane, "", {}}};
+  bool save = true;
+  Fields fields() { return {groups("items", items, "a few"), field("save", save, "whether")}; }
+};
+
+std::string list_error_of(const std::string& yaml) {
+  ListConfig config;
+  const Status status = apply_yaml(config.fields(), yaml, "my.yaml");
+  EXPECT_EQ(config.items.size(), 1U) << "a refused text must change nothing";
+  return status.ok() ? "accepted" : status.error().message;
+}
+
+TEST(YamlConfig, AListOfGroupsReplacesTheOldOneAndFillsUpWithDefaults) {
+  ListConfig config;
+  const Status status = apply_yaml(
+      config.fields(), "items:\n  - {size: 2.5, kind: knn}\n  - lidar: {voxel_size: 0.25}\n", "my.yaml");
+  ASSERT_TRUE(status.ok()) << status.error().message;
+  ASSERT_EQ(config.items.size(), 2U);
+  EXPECT_EQ(config.items[0].size, 2.5);
+  EXPECT_EQ(config.items[0].kind, Kind::kKnn);
+  EXPECT_EQ(config.items[1].size, 1.0);
+  EXPECT_EQ(config.items[1].lidar.voxel_size, 0.25);
+  ASSERT_TRUE(apply_override(config.fields(), "items=[{size: 3}]").ok());
+  ASSERT_EQ(config.items.size(), 1U);
+  EXPECT_EQ(config.items[0].size, 3.0);
+  ASSERT_TRUE(apply_override(config.fields(), "items=[]").ok());
+  EXPECT_TRUE(config.items.empty());
+}
+
+TEST(YamlConfig, FaultsInAListNameTheElement) {
+  EXPECT_EQ(list_error_of("items:\n  - {size: 2}\n  - {siez: 3}\n"),
+            "my.yaml:3: unknown key items[1].siez; did you mean items[1].size?");
+  EXPECT_EQ(list_error_of("items:\n  - {size: 20}\n"),
+            "my.yaml:2: items[0].size is 20, out of range; accepted: a number, 0 to 10 m");
+  EXPECT_EQ(list_error_of("items: {size: 2}\n"),
+            "my.yaml:1: items must be a list of groups, - {key: value, ...}");
+  EXPECT_EQ(list_error_of("items: [3]\n"), "my.yaml:1: items[0] must be a group of \"key: value\" lines");
+  EXPECT_EQ(list_error_of("items: [{size: 2}, {size: 3}]\nsave: 1\n"),
+            "my.yaml:2: save is 1; accepted: true or false");
+}
+
+TEST(YamlConfig, WrittenListsReadBack) {
+  for (const std::size_t size : {0U, 1U, 3U}) {
+    ListConfig written;
+    written.items.assign(size, Item{0.1, Kind::kKnn, "a, b: {c}", {}});
+    ListConfig read;
+    const std::string text = to_yaml(written.fields(), size != 1);
+    ASSERT_TRUE(apply_yaml(read.fields(), text, "text").ok()) << text;
+    ASSERT_EQ(read.items.size(), size);
+    EXPECT_EQ(to_yaml(read.fields(), false), to_yaml(written.fields(), false));
+    for (const Item& item : read.items) EXPECT_EQ(item.label, "a, b: {c}");
+  }
+}
+
 TEST(YamlConfig, UnreadableFilesAreNamed) {
   TestConfig config;
   EXPECT_EQ(apply_yaml_file(config.fields(), "/nowhere/x.yaml").error().message,

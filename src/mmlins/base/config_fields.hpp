@@ -5,8 +5,10 @@
 // writing, the printed reference and the range check are all made from this list (config/yaml_config.hpp).
 
 #include <array>
+#include <deque>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <string>
 #include <utility>
 #include <variant>
@@ -37,8 +39,23 @@ struct NumbersAccess {
   int size = 0;
 };
 
-using FieldValue =
-    std::variant<double*, int*, bool*, std::string*, NumbersAccess, EnumAccess, Fields /* a nested group */>;
+/// A list that is being read: it replaces the old one only when all of it has been accepted.
+class GroupsDraft {
+ public:
+  virtual ~GroupsDraft() = default;
+  /// Adds an element with its defaults. @return its fields, valid as long as the draft
+  virtual Fields append() = 0;
+  virtual void replace_list() = 0;
+};
+
+/// A list of config structs of one kind, of any length.
+struct GroupsAccess {
+  std::function<std::vector<Fields>()> items;  ///< the fields of each element as it is now
+  std::function<std::shared_ptr<GroupsDraft>()> draft;
+};
+
+using FieldValue = std::variant<double*, int*, bool*, std::string*, NumbersAccess, EnumAccess,
+                                Fields /* a nested group */, GroupsAccess>;
 
 struct Field {
   std::string name;
@@ -76,6 +93,28 @@ Field field(std::string name, Enum& value, std::vector<std::string> words, std::
 template <typename Config>
 Field group(std::string name, Config& config, std::string meaning) {
   return {std::move(name), config.fields(), "", {}, std::move(meaning)};
+}
+template <typename Config>
+class GroupsDraftOf : public GroupsDraft {
+ public:
+  explicit GroupsDraftOf(std::vector<Config>& list) : list_(list) {}
+  Fields append() override { return items_.emplace_back().fields(); }
+  void replace_list() override { list_.assign(items_.begin(), items_.end()); }
+
+ private:
+  std::vector<Config>& list_;
+  std::deque<Config> items_;  // whose elements stay where they are
+};
+/// A list of nested config structs.
+template <typename Config>
+Field groups(std::string name, std::vector<Config>& list, std::string meaning) {
+  GroupsAccess access{[&list] {
+                        std::vector<Fields> items;
+                        for (Config& item : list) items.push_back(item.fields());
+                        return items;
+                      },
+                      [&list] { return std::make_shared<GroupsDraftOf<Config>>(list); }};
+  return {std::move(name), std::move(access), "", {}, std::move(meaning)};
 }
 
 }  // namespace mmlins

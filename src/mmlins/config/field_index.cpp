@@ -57,13 +57,14 @@ struct AcceptedText {
     return fmt::format("{}", fmt::join(access.words, " | "));
   }
   std::string operator()(const Fields&) const { return "a group of \"key: value\" lines"; }
+  std::string operator()(const GroupsAccess&) const { return "a list of groups, - {key: value, ...}"; }
 };
 
 }  // namespace
 
-std::vector<NamedField> index_fields(const Fields& fields) {
+std::vector<NamedField> index_fields(const Fields& fields, const std::string& prefix) {
   std::vector<NamedField> index;
-  append_fields(fields, "", index);
+  append_fields(fields, prefix, index);
   return index;
 }
 

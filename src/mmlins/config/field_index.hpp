@@ -16,7 +16,8 @@ struct NamedField {
 };
 
 /// All fields and groups, in order, each group before its members.
-[[nodiscard]] std::vector<NamedField> index_fields(const Fields& fields);
+/// @param prefix  goes before every name
+[[nodiscard]] std::vector<NamedField> index_fields(const Fields& fields, const std::string& prefix = "");
 
 /// The field of this full name, or nullptr.
 [[nodiscard]] const Field* find_field(const std::vector<NamedField>& index, const std::string& name);

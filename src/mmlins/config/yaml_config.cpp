@@ -20,8 +20,8 @@ constexpr std::uintmax_t kLargestFile = 16U << 20U;  // [bytes]
 /// Walks a YAML tree along the fields and collects what to assign.
 class Reader {
  public:
-  Reader(const Fields& fields, std::string source)
-      : index_(index_fields(fields)), source_(std::move(source)) {}
+  Reader(const Fields& fields, std::string source, const std::string& prefix = "")
+      : index_(index_fields(fields, prefix)), source_(std::move(source)) {}
 
   Status read_group(const YAML::Node& node, const std::string& prefix) {
     if (node.IsNull()) return {};  // all members left out
@@ -48,6 +48,7 @@ class Reader {
                     fmt::format("{} is given twice, first in line {}; remove one", name, earlier->second));
     }
     if (std::holds_alternative<Fields>(field->value)) return read_group(value, name + ".");
+    if (const auto* list = std::get_if<GroupsAccess>(&field->value)) return read_list(*list, name, key, value);
     Result<Assignment> assignment = check_value(*field, value);
     if (!assignment) {
       return refuse(
@@ -62,6 +63,24 @@ class Reader {
   }
 
  private:
+  Status read_list(const GroupsAccess& list, const std::string& name, const YAML::Node& key,
+                   const YAML::Node& value) {
+    if (!value.IsSequence() && !value.IsNull()) {
+      return refuse(key, name + " must be a list of groups, - {key: value, ...}");
+    }
+    const std::shared_ptr<GroupsDraft> draft = list.draft();
+    for (std::size_t i = 0; i < value.size(); ++i) {
+      const std::string item = fmt::format("{}[{}]", name, i);
+      const Fields fields = draft->append();
+      if (!value[i].IsMap()) return refuse(value[i], item + " must be a group of \"key: value\" lines");
+      Reader reader(fields, source_, item + ".");
+      if (const Status status = reader.read_group(value[i], item + "."); !status) return status;
+      reader.assign_all();  // to the draft
+    }
+    assignments_.push_back([draft] { draft->replace_list(); });
+    return {};
+  }
+
   std::string unknown_key(const std::string& name) const {
     const std::string nearest = nearest_name(index_, name);
     if (!nearest.empty()) return fmt::format("unknown key {}; did you mean {}?", name, nearest);

@@ -116,6 +116,7 @@ struct Checker {
   }
 
   Result<Assignment> operator()(const Fields&) const { return refuse("is a group of settings"); }
+  Result<Assignment> operator()(const GroupsAccess&) const { return refuse("is a list of groups"); }
 };
 
 }  // namespace

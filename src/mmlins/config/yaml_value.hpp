@@ -14,7 +14,7 @@ namespace mmlins::config {
 using Assignment = std::function<void()>;
 
 /// Checks type, range and length. The error says what is wrong with the value, without naming the key.
-/// @param field  not a group; must outlive the assignment
+/// @param field  not a group, nor a list of groups; must outlive the assignment
 [[nodiscard]] Result<Assignment> check_value(const Field& field, const YAML::Node& node);
 
 }  // namespace mmlins::config

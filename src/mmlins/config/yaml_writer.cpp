@@ -58,6 +58,33 @@ struct ValueText {
     return text_scalar(access.words.at(static_cast<std::size_t>(access.get())));
   }
   std::string operator()(const Fields&) const { return ""; }
+  /// One line for each element, which is short.
+  std::string operator()(const GroupsAccess& list) const {
+    const std::vector<Fields> items = list.items();
+    if (items.empty()) return "[]";
+    std::string text;
+    for (const Fields& item : items) text += fmt::format("\n  - {{{}}}", on_one_line(item));
+    return text;
+  }
+  static std::string on_one_line(const Fields& fields) {
+    std::string text;
+    for (const Field& field : fields) {
+      text += fmt::format("{}{}: ", text.empty() ? "" : ", ", field.name);
+      const auto* members = std::get_if<Fields>(&field.value);
+      const auto* list = std::get_if<GroupsAccess>(&field.value);
+      if (members != nullptr) text += fmt::format("{{{}}}", on_one_line(*members));
+      if (list != nullptr) text += list_on_one_line(*list);
+      if (members == nullptr && list == nullptr) text += std::visit(ValueText{}, field.value);
+    }
+    return text;
+  }
+  static std::string list_on_one_line(const GroupsAccess& list) {
+    std::string text;
+    for (const Fields& item : list.items()) {
+      text += fmt::format("{}{{{}}}", text.empty() ? "" : ", ", on_one_line(item));
+    }
+    return fmt::format("[{}]", text);
+  }
 };
 
 /// "meaning [0.1 to 5 m]"; the type is not named where the value shows it.
@@ -99,7 +126,8 @@ std::string fields_text(const Fields& fields, bool with_comments, const std::str
       text +=
           fmt::format("{}{}:\n{}", indent, field.name, fields_text(*members, with_comments, indent + "  "));
     } else {
-      text += fmt::format("{}{}: {}\n", indent, field.name, std::visit(ValueText{}, field.value));
+      const std::string value = std::visit(ValueText{}, field.value);
+      text += fmt::format("{}{}:{}{}\n", indent, field.name, value.starts_with('\n') ? "" : " ", value);
     }
   }
   return text;
