@@ -116,7 +116,7 @@ TEST(Motion, CarLooksWhereItDrives) {
 }
 
 TEST(Course, CruisesOnStraightsAndSlowsDownInCorners) {
-  const Course course({{0, 0}, {120, 0}, {120, 90}, {0, 90}}, {8.0, 0.5, 1.5});
+  const Course course({{{0, 0}, {120, 0}, {120, 90}, {0, 90}}, {}}, {8.0, 0.5, 1.5});
   double slowest = 1e9;
   double fastest = 0.0;
   for (double t = 0.0; t < course.lap_time(); t += 0.1) {
@@ -131,7 +131,7 @@ TEST(Course, CruisesOnStraightsAndSlowsDownInCorners) {
 }
 
 TEST(Course, ClosesAndStaysInsideItsPolygon) {
-  const Course course({{0, 0}, {120, 0}, {120, 90}, {0, 90}}, {8.0, 0.5, 1.5});
+  const Course course({{{0, 0}, {120, 0}, {120, 90}, {0, 90}}, {}}, {8.0, 0.5, 1.5});
   const PathPoint start = course.at({0.0, 1.0, 0.0});
   const PathPoint end = course.at({course.lap_time(), 1.0, 0.0});
   EXPECT_NEAR(start.x.value, end.x.value, 1e-9);

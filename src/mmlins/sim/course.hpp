@@ -13,10 +13,17 @@ namespace mmlins::sim {
 
 using Polygon = std::vector<Eigen::Vector2d>;  ///< corners in order [m]; the last is joined to the first
 
+/// A polygon on ground that may rise and fall.
+struct Route {
+  Polygon corners;
+  std::vector<double> heights;  ///< of the ground at each corner [m]; empty: 0 everywhere
+};
+
 /// Where a path is, and the direction it goes, as functions of time.
 struct PathPoint {
   Jet x, y;     ///< [m]
   Jet heading;  ///< direction of travel, counted from x towards y [rad]
+  Jet z{};      ///< of the ground [m]
 };
 
 struct CourseSpeed {
@@ -27,8 +34,8 @@ struct CourseSpeed {
 
 class Course {
  public:
-  /// @param corners  at least three
-  Course(const Polygon& corners, const CourseSpeed& speed);
+  /// @param route  at least three corners
+  Course(const Route& route, const CourseSpeed& speed);
 
   /// `travelled` is the time spent on the course since its first corner [s]; it may exceed one lap.
   [[nodiscard]] PathPoint at(const Jet& travelled) const;
@@ -38,6 +45,7 @@ class Course {
  private:
   double spacing_ = 1.0;  ///< time between control points [s]
   Polygon control_;
+  std::vector<double> control_heights_;  // empty: 0 everywhere [m]
 };
 
 }  // namespace mmlins::sim

@@ -61,12 +61,15 @@ Ellipse make_ellipse(const TrajectoryConfig& config) {
 // A closed path in the plane, travelled with swaying, bobbing and looking around.
 class LoopMotion : public Motion {
  public:
-  LoopMotion(const TrajectoryConfig& config, const Polygon& route)
+  LoopMotion(const TrajectoryConfig& config, const Route& route)
       : config_(config), ellipse_(make_ellipse(config)) {
     if (config.style == PathStyle::kRoute) {
-      Polygon corners = route;
-      if (config.reverse) std::reverse(corners.begin(), corners.end());
-      course_.emplace(corners, CourseSpeed{config.speed, config.corner_ratio, config.corner_smoothing});
+      Route course = route;
+      if (config.reverse) {
+        std::reverse(course.corners.begin(), course.corners.end());
+        std::reverse(course.heights.begin(), course.heights.end());
+      }
+      course_.emplace(course, CourseSpeed{config.speed, config.corner_ratio, config.corner_smoothing});
     } else if (config.reverse) {
       ellipse_.semi_axis_y = -ellipse_.semi_axis_y;
     }
@@ -77,7 +80,7 @@ class LoopMotion : public Motion {
     const double lap_time = course_ ? course_->lap_time() : ellipse_.lap_time();
     const Jet on_path = travelled + config_.start_lap * lap_time;
     const PathPoint path = course_ ? course_->at(on_path) : ellipse_.at(on_path);
-    const Jet z = height(travelled);
+    const Jet z = height(travelled) + path.z;
     const Attitude attitude = attitude_at(travelled, path.heading);
     return {{rotation_of(attitude), {path.x.value, path.y.value, z.value}},
             {path.x.rate, path.y.rate, z.rate},
@@ -125,7 +128,7 @@ Kinematics transformed(const math::SE3& T_new_old, const Kinematics& old) {
           old.angular_rate_imu};
 }
 
-std::unique_ptr<Motion> make_motion(const TrajectoryConfig& config, const Polygon& route) {
+std::unique_ptr<Motion> make_motion(const TrajectoryConfig& config, const Route& route) {
   return std::make_unique<LoopMotion>(config, route);
 }
 

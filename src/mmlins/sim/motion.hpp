@@ -58,6 +58,6 @@ struct TrajectoryConfig {
 };
 
 /// @param route  the course that the scene offers, used by PathStyle::kRoute
-[[nodiscard]] std::unique_ptr<Motion> make_motion(const TrajectoryConfig& config, const Polygon& route);
+[[nodiscard]] std::unique_ptr<Motion> make_motion(const TrajectoryConfig& config, const Route& route);
 
 }  // namespace mmlins::sim

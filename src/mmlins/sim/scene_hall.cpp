@@ -109,13 +109,14 @@ void add_beams(SceneBuilder& builder, const Hall& hall) {
 
 }  // namespace
 
-Polygon hall_route(const WorldConfig& config) {
+Route hall_route(const WorldConfig& config) {
   const Vector2d half = hall_of(config).half_size;
   Random random(sub_seed(static_cast<std::uint64_t>(config.seed), 11));
   const auto corner = [&](double x, double y) {
     return Vector2d(x * half.x() * random.uniform(0.5, 0.78), y * half.y() * random.uniform(0.5, 0.75));
   };
-  return {corner(-1, -1), corner(0.1, -0.8), corner(1, -1), corner(1, 1), corner(-0.1, 0.6), corner(-1, 1)};
+  return {{corner(-1, -1), corner(0.1, -0.8), corner(1, -1), corner(1, 1), corner(-0.1, 0.6), corner(-1, 1)},
+          {}};
 }
 
 std::vector<Shape> hall_shapes(const WorldConfig& config, const Polygon& keep_free) {

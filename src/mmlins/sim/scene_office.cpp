@@ -153,7 +153,7 @@ void fit_corridor(SceneBuilder& builder, const Office& office) {
 
 }  // namespace
 
-Polygon office_route(const WorldConfig& config) {
+Route office_route(const WorldConfig& config) {
   const Office office = office_of(config);
   Polygon route{{0.9, 0.35}};
   for (const Room& room : office.sides[0]) {
@@ -165,7 +165,7 @@ Polygon office_route(const WorldConfig& config) {
     if (room->visited) visit(route, *room, -1.0, -1.0);
   }
   route.emplace_back(0.9, -0.35);
-  return route;
+  return {route, {}};
 }
 
 std::vector<Shape> office_shapes(const WorldConfig& config, const Polygon& keep_free) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "mmlins/sim/scene_builder.hpp"
 #include "mmlins/sim/scenes.hpp"
@@ -16,18 +18,19 @@ constexpr double kBelowGround = -0.8;   // [m]
 constexpr double kHalfStreet = 7.5;     // from the middle of a street to the facades [m]
 constexpr double kSight = 70.0;         // facades farther from the path are left out [m]
 constexpr int kBlocks = 4;              // per direction; the path runs around the inner 2 x 2
+constexpr int kUrbanBlocks = 10;        // the same of the large city
 
 /// Middles of the streets: lines of constant x and of constant y.
 struct Streets {
   std::vector<double> x, y;  // [m]
 };
 
-Streets streets_of(const WorldConfig& config) {
+Streets streets_of(const WorldConfig& config, int blocks) {
   Random random(sub_seed(static_cast<std::uint64_t>(config.seed), 20));
   Streets streets;
   double x = -random.uniform(150.0, 160.0);
   double y = -random.uniform(115.0, 125.0);
-  for (int i = 0; i <= kBlocks; ++i) {
+  for (int i = 0; i <= blocks; ++i) {
     streets.x.push_back(x);
     streets.y.push_back(y);
     x += random.uniform(62.0, 88.0);
@@ -142,29 +145,51 @@ void add_block(SceneBuilder& builder, const Vector2d& low, const Vector2d& high,
   }
 }
 
-}  // namespace
-
-Polygon street_route(const WorldConfig& config) {
-  const Streets streets = streets_of(config);
-  const auto crossing = [&](std::size_t i, std::size_t j) { return Vector2d(streets.x[i], streets.y[j]); };
-  // A figure of eight around two of the inner blocks, or a ring around all four of them.
-  if (config.seed % 3 == 0) return {crossing(1, 1), crossing(3, 1), crossing(3, 3), crossing(1, 3)};
-  return {crossing(1, 1), crossing(2, 1), crossing(2, 2), crossing(3, 2),
-          crossing(3, 3), crossing(2, 3), crossing(2, 2), crossing(1, 2)};
-}
-
-std::vector<Shape> street_shapes(const WorldConfig& config, const Polygon& keep_free) {
-  const Streets streets = streets_of(config);
+std::vector<Shape> city_shapes(const WorldConfig& config, const Polygon& keep_free, int blocks) {
+  const Streets streets = streets_of(config, blocks);
   SceneBuilder builder(sub_seed(static_cast<std::uint64_t>(config.seed), 21), keep_free, kPathClearance);
   const Vector2d half_street(kHalfStreet, kHalfStreet);
-  for (std::size_t i = 0; i < kBlocks; ++i) {
-    for (std::size_t j = 0; j < kBlocks; ++j) {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(blocks); ++i) {
+    for (std::size_t j = 0; j < static_cast<std::size_t>(blocks); ++j) {
       const Vector2d low(streets.x[i], streets.y[j]);
       const Vector2d high(streets.x[i + 1], streets.y[j + 1]);
       add_block(builder, low + half_street, high - half_street, config.clutter);
     }
   }
   return builder.take();
+}
+
+}  // namespace
+
+Route street_route(const WorldConfig& config) {
+  const Streets streets = streets_of(config, kBlocks);
+  const auto crossing = [&](std::size_t i, std::size_t j) { return Vector2d(streets.x[i], streets.y[j]); };
+  // A figure of eight around two of the inner blocks, or a ring around all four of them.
+  if (config.seed % 3 == 0) return {{crossing(1, 1), crossing(3, 1), crossing(3, 3), crossing(1, 3)}, {}};
+  return {{crossing(1, 1), crossing(2, 1), crossing(2, 2), crossing(3, 2), crossing(3, 3), crossing(2, 3),
+           crossing(2, 2), crossing(1, 2)},
+          {}};
+}
+
+std::vector<Shape> street_shapes(const WorldConfig& config, const Polygon& keep_free) {
+  return city_shapes(config, keep_free, kBlocks);
+}
+
+Route urban_route(const WorldConfig& config) {
+  const Streets streets = streets_of(config, kUrbanBlocks);
+  // As columns and rows of crossings: a long tour that drives several streets twice and crosses itself.
+  constexpr std::array<std::pair<int, int>, 22> kTour{
+      {{1, 1}, {4, 1}, {4, 3}, {2, 3}, {2, 5}, {4, 5}, {4, 3}, {7, 3}, {7, 1}, {9, 1}, {9, 4},
+       {7, 4}, {7, 7}, {9, 7}, {9, 9}, {5, 9}, {5, 7}, {7, 7}, {7, 5}, {2, 5}, {2, 8}, {1, 8}}};
+  Route route;
+  for (const auto& [i, j] : kTour)
+    route.corners.emplace_back(streets.x[static_cast<std::size_t>(i)],
+                               streets.y[static_cast<std::size_t>(j)]);
+  return route;
+}
+
+std::vector<Shape> urban_shapes(const WorldConfig& config, const Polygon& keep_free) {
+  return city_shapes(config, keep_free, kUrbanBlocks);
 }
 
 }  // namespace mmlins::sim

@@ -75,7 +75,7 @@ void add_crates(SceneBuilder& builder, int count) {
 
 }  // namespace
 
-Polygon yard_route(const WorldConfig& config) {
+Route yard_route(const WorldConfig& config) {
   Random random(sub_seed(static_cast<std::uint64_t>(config.seed), 40));
   Polygon route;
   const int count = 9;
@@ -84,7 +84,7 @@ Polygon yard_route(const WorldConfig& config) {
     const double share = random.uniform(0.38, 0.78);
     route.emplace_back(share * kHalfX * std::cos(angle), share * kHalfY * std::sin(angle));
   }
-  return route;
+  return {route, {}};
 }
 
 std::vector<Shape> yard_shapes(const WorldConfig& config, const Polygon& keep_free) {

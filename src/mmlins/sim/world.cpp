@@ -19,6 +19,33 @@ constexpr int kMaxSteps = 6;
 constexpr double kCloseEnough = 1e-4;  // [m]
 constexpr double kMinSlope = 0.02;     // rays more grazing than this see no defined surface
 
+struct Scene {
+  const char* name;
+  Route (*route)(const WorldConfig&);
+  std::vector<Shape> (*shapes)(const WorldConfig&, const Polygon& keep_free);
+};
+
+// In the order of SceneKind.
+constexpr std::array<Scene, 11> kScenes{{{"hall", hall_route, hall_shapes},
+                                         {"street", street_route, street_shapes},
+                                         {"office", office_route, office_shapes},
+                                         {"yard", yard_route, yard_shapes},
+                                         {"campus", campus_route, campus_shapes},
+                                         {"urban", urban_route, urban_shapes},
+                                         {"corridor", corridor_route, corridor_shapes},
+                                         {"tunnel", tunnel_route, tunnel_shapes},
+                                         {"field", field_route, field_shapes},
+                                         {"decoy", decoy_route, decoy_shapes},
+                                         {"floors", floors_route, floors_shapes}}};
+
+const Scene& scene_of(const WorldConfig& config) { return kScenes[static_cast<std::size_t>(config.scene)]; }
+
+std::vector<std::string> scene_names() {
+  std::vector<std::string> names;
+  for (const Scene& scene : kScenes) names.emplace_back(scene.name);
+  return names;
+}
+
 }  // namespace
 
 ShapeWorld::ShapeWorld(std::vector<Shape> shapes, const Roughness& roughness)
@@ -78,7 +105,7 @@ math::SE3 WorldConfig::T_world_scene() const {
 
 Fields WorldConfig::fields() {
   return {
-      field("scene", scene, {"hall", "street", "office", "yard"}, "what kind of place"),
+      field("scene", scene, scene_names(), "what kind of place"),
       field("seed", seed, "", {0, 1e9}, "another number, another place of that kind"),
       field("yaw_deg", yaw_deg, "deg", {-180.0, 180.0}, "how the scene is turned in the world"),
       field("offset", offset, "m", {-1e5, 1e5}, "where the scene lies in the world"),
@@ -89,36 +116,11 @@ Fields WorldConfig::fields() {
   };
 }
 
-Polygon scene_route(const WorldConfig& config) {
-  switch (config.scene) {
-    case SceneKind::kHall:
-      return hall_route(config);
-    case SceneKind::kStreet:
-      return street_route(config);
-    case SceneKind::kOffice:
-      return office_route(config);
-    case SceneKind::kYard:
-      break;
-  }
-  return yard_route(config);
-}
+Route scene_route(const WorldConfig& config) { return scene_of(config).route(config); }
 
 std::unique_ptr<ShapeWorld> make_world(const WorldConfig& config, const Polygon& keep_free) {
-  const auto shapes = [&] {
-    switch (config.scene) {
-      case SceneKind::kHall:
-        return hall_shapes(config, keep_free);
-      case SceneKind::kStreet:
-        return street_shapes(config, keep_free);
-      case SceneKind::kOffice:
-        return office_shapes(config, keep_free);
-      case SceneKind::kYard:
-        break;
-    }
-    return yard_shapes(config, keep_free);
-  }();
   const auto seed = static_cast<std::uint64_t>(config.seed);
-  return std::make_unique<ShapeWorld>(shapes,
+  return std::make_unique<ShapeWorld>(scene_of(config).shapes(config, keep_free),
                                       ShapeWorld::Roughness{config.unevenness, config.ground_waves, seed});
 }
 

@@ -30,7 +30,19 @@ class World {
   [[nodiscard]] virtual double distance(const math::Vector3d& p, int surface) const = 0;
 };
 
-enum class SceneKind { kHall, kStreet, kOffice, kYard };
+enum class SceneKind {
+  kHall,
+  kStreet,
+  kOffice,
+  kYard,
+  kCampus,
+  kUrban,
+  kCorridor,
+  kTunnel,
+  kField,
+  kDecoy,
+  kFloors
+};
 
 struct WorldConfig {
   SceneKind scene = SceneKind::kHall;
@@ -75,7 +87,7 @@ class ShapeWorld : public World {
 };
 
 /// The course on which a carrier can travel through the scene, in the scene's coordinates.
-[[nodiscard]] Polygon scene_route(const WorldConfig& config);
+[[nodiscard]] Route scene_route(const WorldConfig& config);
 /// The scene, in its own coordinates.
 /// @param keep_free  places that the carrier passes; loose objects keep away from them
 [[nodiscard]] std::unique_ptr<ShapeWorld> make_world(const WorldConfig& config, const Polygon& keep_free);
