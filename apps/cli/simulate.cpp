@@ -118,6 +118,11 @@ Status write_descriptions(const fs::path& out, const sim::Simulation& simulation
       !status) {
     return status;
   }
+  if (const Status status = write_text_file((out / "events.csv").string(),
+                                            degrade::events_csv(config.events, simulation.start_time()));
+      !status) {
+    return status;
+  }
   return eval::write_tum((out / "truth.tum").string(), simulation.truth(kTruthRate));
 }
 
@@ -158,7 +163,7 @@ int simulate(const SimulateOptions& options) {
   fmt::print("{}: {} scans with {} points, {} IMU samples, {:.0f} s recorded in {:.1f} s\n",
              (out / "recording.bag").string(), written->num_scans, written->num_points, written->num_imu,
              config->duration, progress.elapsed_seconds());
-  fmt::print("{}: the true poses; rig.yaml and scenario.yaml lie beside them\n",
+  fmt::print("{}: the true poses; rig.yaml, scenario.yaml and events.csv lie beside them\n",
              (out / "truth.tum").string());
   return 0;
 }
@@ -170,7 +175,7 @@ void add_simulate(CLI::App& program, int& exit_code) {
   CLI::App* command = program.add_subcommand("simulate", "Make up a recording, with its truth");
   command->add_option("SCENARIO", options->scenario, "name of a built-in scenario, or a YAML file");
   command->add_option("--out", options->out,
-                      "folder for recording.bag, truth.tum, rig.yaml and scenario.yaml");
+                      "folder for recording.bag, truth.tum, events.csv, rig.yaml and scenario.yaml");
   command
       ->add_option("--set", options->overrides,
                    "change a field of the scenario, as group.key=value; may be repeated")

@@ -9,7 +9,7 @@ import tempfile
 import unittest
 
 MMLINS = sys.argv[1]
-FILES = ["recording.bag", "rig.yaml", "scenario.yaml", "truth.tum"]
+FILES = ["events.csv", "recording.bag", "rig.yaml", "scenario.yaml", "truth.tum"]
 # Small enough for a second: 2 s, few columns.
 SHORT = ["--set", "duration=2", "--set", "trajectory.stand_still=0.5", "--set", "sensor.columns=120"]
 
@@ -65,6 +65,22 @@ class Simulate(unittest.TestCase):
         self.assertEqual(simulate(self.path("a/scenario.yaml"), "--out", self.path("b")).returncode, 0)
         for name in FILES:
             self.assertTrue(filecmp.cmp(self.path("a/" + name), self.path("b/" + name), shallow=False), name)
+
+    def test_events_are_written_with_absolute_times(self):
+        event = "events=[{kind: bag, start: 0.5, duration: 1}, {kind: packet_loss, start: 1.75, duration: 0.1}]"
+        self.assertEqual(simulate("demo", "--out", self.path("a"), *SHORT, "--set", event).returncode, 0)
+        self.assertEqual(
+            text_of(self.path("a/events.csv")),
+            "kind,start,end,severity\n"
+            "bag,1700000000.500000000,1700000001.500000000,0.6\n"
+            "packet_loss,1700000001.750000000,1700000001.850000000,1\n",
+        )
+
+    def test_an_event_outside_of_the_recording_is_refused(self):
+        event = "events=[{kind: bag, start: 1.5, duration: 1}]"
+        result = simulate("demo", "--out", self.path("a"), *SHORT, "--set", event)
+        self.assert_refused(result, "bag:1.5:1", "2.000 s")
+        self.assertFalse(os.path.exists(self.path("a")))
 
     def test_lists_the_scenarios_with_what_they_are(self):
         result = simulate("--list")

@@ -14,7 +14,7 @@ constexpr Time kStart = time_from_ns(1'700'000'000'000'000'000);
 constexpr Duration kFirstScan{53'000'000};  // the LiDAR does not wake up together with the IMU
 constexpr double kPathStep = 0.1;           // between the places that loose objects leave free [s]
 
-enum RandomPart : std::uint64_t { kImu, kLidar };
+enum RandomPart : std::uint64_t { kImu, kLidar, kEvents };
 
 std::uint64_t part_seed(const SimulationConfig& config, RandomPart part) {
   return sub_seed(static_cast<std::uint64_t>(config.seed), part);
@@ -42,6 +42,7 @@ Fields SimulationConfig::fields() {
       group("sensor", sensor, "the LiDAR and where it sits"),
       group("imu", imu, "the inertial sensor"),
       group("trajectory", trajectory, "how the carrier moves"),
+      groups("events", events, "what goes wrong with the LiDAR, and when"),
   };
 }
 
@@ -52,6 +53,11 @@ Status validate(const SimulationConfig& config, const std::string& source) {
   rig.min_range = config.sensor.nearest();
   rig.max_range = config.sensor.farthest();
   if (const Status status = sensor::validate(rig, source + ": sensor"); !status) return status;
+  for (const degrade::EventSpec& event : config.events) {
+    if (const Status status = degrade::validate(event, from_seconds(config.duration), source); !status) {
+      return status;
+    }
+  }
   if (!config.trajectory.start_in_motion && config.trajectory.stand_still >= config.duration) {
     return make_error(
         ErrorCode::kInvalid,
@@ -67,30 +73,50 @@ Simulation::Simulation(const SimulationConfig& config)
       motion_(make_motion(config.trajectory, scene_route(config.world))),
       world_(make_world(config.world, places_passed(*motion_, config.duration))),
       imu_(config.imu, part_seed(config, kImu), from_seconds(config.duration)),
-      lidar_(config.sensor, part_seed(config, kLidar)) {}
+      lidar_(config.sensor, part_seed(config, kLidar)),
+      degrader_(config.events, kStart, {part_seed(config, kEvents), config.sensor.nearest()}) {}
 
 Result<sensor::Item> Simulation::next() {
   const Duration length = from_seconds(config_.duration);
-  const Duration scan_end = scan_begin(next_scan_ + 1);
-  const Duration scan_recorded = scan_end + from_seconds(config_.sensor.latency);
-  const Duration imu_time = imu_.sample_time(next_imu_);
-  if (imu_time <= std::min(length, scan_recorded)) {
-    sensor::ImuSample sample = imu_.sample(*motion_, next_imu_++);
-    sample.time = record_time_ = kStart + imu_time;
-    return sensor::Item(sample);
+  while (true) {
+    const Duration scan_end = scan_begin(next_scan_ + 1);
+    const Duration scan_recorded = scan_end + from_seconds(config_.sensor.latency);
+    const Duration imu_time = imu_.sample_time(next_imu_);
+    if (imu_time <= std::min(length, scan_recorded)) {
+      sensor::ImuSample sample = imu_.sample(*motion_, next_imu_++);
+      sample.time = record_time_ = kStart + imu_time;
+      return sensor::Item(sample);
+    }
+    if (scan_recorded > length) return sensor::Item(sensor::EndOfData{});
+    record_time_ = kStart + scan_recorded;
+    if (auto scan = make_scan()) return sensor::Item(std::move(*scan));
   }
-  if (scan_recorded > length) return sensor::Item(sensor::EndOfData{});
-  record_time_ = kStart + scan_recorded;
-  return sensor::Item(make_scan());
 }
 
-sensor::LidarScan Simulation::make_scan() {
+std::optional<sensor::LidarScan> Simulation::make_scan() {
   SimulatedScan made = lidar_.scan(*world_, *motion_, scan_begin(next_scan_), scan_begin(next_scan_ + 1));
   ++next_scan_;
   made.scan.start_time = kStart + made.scan.start_time.time_since_epoch();
   made.scan.end_time = kStart + made.scan.end_time.time_since_epoch();
   scan_truth_ = std::move(made.truth);
-  return std::move(made.scan);
+  return degrade(std::move(made.scan));
+}
+
+std::optional<sensor::LidarScan> Simulation::degrade(sensor::LidarScan scan) {
+  if (config_.events.empty()) return scan;
+  const std::vector<Time> times = degrade::point_times(scan);
+  const degrade::DegradedSweep sweep = degrader_.apply({scan.start_time, &scan.points, &times});
+  if (sweep.lost) return std::nullopt;
+  if (!sweep.changed) return scan;
+  ScanTruth truth;
+  for (std::size_t i = 0; i < sweep.kept.size(); ++i) {
+    const std::uint32_t old = sweep.kept[i];
+    const bool moved = sweep.points[i] != scan.points[old];
+    truth.ranges.push_back(moved ? sweep.points[i].norm() : scan_truth_.ranges[old]);
+    truth.surfaces.push_back(moved ? -1 : scan_truth_.surfaces[old]);
+  }
+  scan_truth_ = std::move(truth);
+  return degrade::degraded(scan, sweep);
 }
 
 Duration Simulation::scan_begin(std::int64_t index) const { return kFirstScan + index * lidar_.period(); }

@@ -3,7 +3,9 @@
 // A recording that is made up while it is read: the same interface as a bag, with the truth beside it.
 
 #include <memory>
+#include <vector>
 
+#include "mmlins/degrade/scan_degrader.hpp"
 #include "mmlins/math/trajectory.hpp"
 #include "mmlins/sensor/dataset.hpp"
 #include "mmlins/sensor/rig.hpp"
@@ -21,6 +23,7 @@ struct SimulationConfig {
   LidarConfig sensor;
   ImuConfig imu;
   TrajectoryConfig trajectory;
+  std::vector<degrade::EventSpec> events;
 
   [[nodiscard]] Fields fields();
 };
@@ -40,7 +43,7 @@ class Simulation : public sensor::Dataset {
   [[nodiscard]] double progress() const override;
   /// When the item that next() gave last was recorded.
   [[nodiscard]] Time record_time() const { return record_time_; }
-  /// Noise-free ranges of the scan that next() gave last.
+  /// Noise-free ranges of the scan that next() gave last; points that an event has moved are on surface -1.
   [[nodiscard]] const ScanTruth& scan_truth() const { return scan_truth_; }
 
   [[nodiscard]] Time start_time() const;
@@ -63,7 +66,9 @@ class Simulation : public sensor::Dataset {
  private:
   [[nodiscard]] Kinematics kinematics(Time time) const;
   [[nodiscard]] Duration scan_begin(std::int64_t index) const;
-  [[nodiscard]] sensor::LidarScan make_scan();
+  /// The next scan; nothing if an event has it lost.
+  [[nodiscard]] std::optional<sensor::LidarScan> make_scan();
+  [[nodiscard]] std::optional<sensor::LidarScan> degrade(sensor::LidarScan scan);
 
   SimulationConfig config_;
   math::SE3 T_world_scene_;
@@ -71,6 +76,7 @@ class Simulation : public sensor::Dataset {
   std::unique_ptr<World> world_;
   ImuModel imu_;
   LidarModel lidar_;
+  degrade::ScanDegrader degrader_;
   std::int64_t next_imu_ = 0;
   std::int64_t next_scan_ = 0;
   Time record_time_;
