@@ -100,21 +100,6 @@ TEST(Propagation, ReturnsThePoseAtEverySample) {
   EXPECT_EQ(motion.T_odom_imu.back().pose.R, motion.estimate.state.R_odom_imu);
 }
 
-TEST(Propagation, IntegratingBackwardsUndoesIntegratingForwards) {
-  sim::Random random(3);
-  for (int run = 0; run < 10; ++run) {
-    const sensor::ImuSamples samples = random_samples(random, 200);
-    const NavState start = random_state(random);
-    const NavState end = propagate({start, ErrorMatrix::Identity()}, samples, {}).estimate.state;
-    const NavState again = integrate_backwards(end, samples);
-    EXPECT_EQ(again.time, start.time);
-    // 200 steps, each with rounding of 1e-14 on positions of 30 m.
-    EXPECT_LT((again.R_odom_imu - start.R_odom_imu).norm(), 1e-11);
-    EXPECT_LT((again.v_odom - start.v_odom).norm(), 1e-11);
-    EXPECT_LT((again.p_odom - start.p_odom).norm(), 1e-10);
-  }
-}
-
 // The covariance promises the mean square of the errors. A sensor with exactly the declared densities is
 // simulated a few hundred times, and the errors are compared with the promise.
 constexpr int kRuns = 400;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "mmlins/imu/propagation.hpp"
 
+#include <algorithm>
+
 #include "mmlins/base/check.hpp"
 
 namespace mmlins::imu {
@@ -8,15 +10,6 @@ namespace {
 
 ImuStep step_between(const sensor::ImuSample& a, const sensor::ImuSample& b) {
   return {to_seconds(b.time - a.time), 0.5 * (a.gyro + b.gyro), 0.5 * (a.accel + b.accel)};
-}
-
-/// What may have changed while nothing was recorded: 0.2 rad, 1 m, 1 m/s.
-ErrorMatrix doubt_after_pause() {
-  ErrorVector sigma = ErrorVector::Zero();
-  sigma.segment<3>(kRotation).setConstant(0.2);
-  sigma.segment<3>(kPosition).setConstant(1.0);
-  sigma.segment<3>(kVelocity).setConstant(1.0);
-  return sigma.cwiseAbs2().asDiagonal();
 }
 
 }  // namespace
@@ -76,6 +69,15 @@ ErrorMatrix step_noise(const ImuStep& step, const ImuNoise& noise) {
   return Q;
 }
 
+ErrorMatrix doubt_after_gap(double seconds) {
+  const double gap = std::min(seconds, kLongestStep);
+  ErrorVector sigma = ErrorVector::Zero();
+  sigma.segment<3>(kRotation).setConstant(0.3 * gap);
+  sigma.segment<3>(kVelocity).setConstant(3.0 * gap);
+  sigma.segment<3>(kPosition).setConstant(1.5 * gap * gap);
+  return sigma.cwiseAbs2().asDiagonal();
+}
+
 Propagation propagate(const Estimate& start, const sensor::ImuSamples& samples, const ImuNoise& noise) {
   MMLINS_CHECK(!samples.empty() && samples.front().time == start.state.time);
   Propagation result{start, {{start.state.time, start.state.T_odom_imu()}}};
@@ -83,7 +85,7 @@ Propagation propagate(const Estimate& start, const sensor::ImuSamples& samples, 
   for (std::size_t i = 1; i < samples.size(); ++i) {
     const ImuStep step = step_between(samples[i - 1], samples[i]);
     if (step.dt > kLongestStep) {
-      now.P += doubt_after_pause();
+      now.P += doubt_after_gap(step.dt);
     } else {
       const ErrorMatrix F = transition(now.state, step);
       now.P = F * now.P * F.transpose() + step_noise(step, noise);
@@ -93,22 +95,6 @@ Propagation propagate(const Estimate& start, const sensor::ImuSamples& samples, 
     result.T_odom_imu.push_back({now.state.time, now.state.T_odom_imu()});
   }
   return result;
-}
-
-NavState integrate_backwards(const NavState& end, const sensor::ImuSamples& samples) {
-  MMLINS_CHECK(!samples.empty() && samples.back().time == end.time);
-  NavState state = end;
-  for (std::size_t i = samples.size() - 1; i > 0; --i) {
-    const ImuStep step = step_between(samples[i - 1], samples[i]);
-    const Vector3d turn = (step.gyro - state.gyro_bias) * step.dt;
-    state.R_odom_imu = state.R_odom_imu * math::so3_exp(-turn);
-    const Matrix3d R_mid = state.R_odom_imu * math::so3_exp(0.5 * turn);
-    const Vector3d accel_odom = R_mid * (step.accel - state.accel_bias) + state.gravity_odom;
-    state.v_odom -= accel_odom * step.dt;
-    state.p_odom -= state.v_odom * step.dt + 0.5 * step.dt * step.dt * accel_odom;
-    state.time = samples[i - 1].time;
-  }
-  return state;
 }
 
 }  // namespace mmlins::imu

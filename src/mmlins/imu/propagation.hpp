@@ -46,11 +46,12 @@ struct Propagation {
 /// A longer step [s] is a clock that was set forward or a recording that paused, not a motion to integrate.
 inline constexpr double kLongestStep = 1.0;
 
+/// Covariance of what may have happened while the IMU was silent for that long: turns of 0.3 rad/s and
+/// accelerations of 3 m/s^2 that nobody measured. Pauses beyond kLongestStep count as one of that length.
+[[nodiscard]] ErrorMatrix doubt_after_gap(double seconds);
+
 /// Integrates from `start` through `samples`, of which the first must be at start.state.time. Across steps
 /// longer than kLongestStep the motion is taken to go on afterwards as it was before, with much doubt.
 [[nodiscard]] Propagation propagate(const Estimate& start, const sensor::ImuSamples& samples, const ImuNoise& noise);
-
-/// The state at the first sample, given that at the last: exact inverse of integrating forwards.
-[[nodiscard]] NavState integrate_backwards(const NavState& end, const sensor::ImuSamples& samples);
 
 }  // namespace mmlins::imu

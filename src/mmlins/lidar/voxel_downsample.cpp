@@ -5,18 +5,11 @@
 #include <bit>
 #include <cmath>
 
+#include "mmlins/math/grid.hpp"
+
 namespace mmlins::lidar {
 namespace {
-
-/// Cell indices of up to +-2^20 packed into one number; never 0, which marks an empty slot.
-std::uint64_t cell_key(const Eigen::Vector3f& point, float inverse_leaf) {
-  const auto index = [&](int axis) {
-    return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(point[axis] * inverse_leaf)) + (1 << 20)) &
-           0x1FFFFF;
-  };
-  return (index(0) << 42 | index(1) << 21 | index(2)) + 1;
-}
-
+constexpr std::uint64_t kTaken = std::uint64_t{1} << 63;
 }  // namespace
 
 Cloud voxel_downsample(const Cloud& cloud, double leaf) {
@@ -26,8 +19,9 @@ Cloud voxel_downsample(const Cloud& cloud, double leaf) {
   std::vector<std::uint64_t> table(capacity, 0);
   Cloud kept;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const std::uint64_t key = cell_key(cloud.points[i], inverse_leaf);
-    std::size_t slot = (key * 0x9E3779B97F4A7C15ULL) >> shift;
+    // Keys use 63 bits; one more tells a taken slot from an empty one.
+    const std::uint64_t key = math::cell_key(math::cell_at(cloud.points[i], inverse_leaf)) | kTaken;
+    std::size_t slot = math::hash_slot(key, shift);
     while (table[slot] != 0 && table[slot] != key) slot = (slot + 1) & (capacity - 1);
     if (table[slot] == key) continue;
     table[slot] = key;

@@ -5,14 +5,11 @@
 
 namespace mmlins::math {
 
+// The x and y axes, carried along by the shortest rotation from -z to the direction: smooth everywhere but
+// at +z, where gravity never points.
 Matrix32d sphere_basis(const Vector3d& direction) {
-  const Vector3d u = direction.normalized();
-  int smallest = 0;
-  u.cwiseAbs().minCoeff(&smallest);
-  Matrix32d B;
-  B.col(0) = u.cross(Vector3d::Unit(smallest)).normalized();
-  B.col(1) = u.cross(B.col(0));
-  return B;
+  const Eigen::Quaterniond q = Eigen::Quaterniond::FromTwoVectors(-Vector3d::UnitZ(), direction);
+  return q.toRotationMatrix().leftCols<2>();
 }
 
 Vector3d sphere_plus(const Vector3d& direction, const Vector2d& d) {

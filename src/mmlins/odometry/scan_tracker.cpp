@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "mmlins/odometry/scan_tracker.hpp"
 
+#include <algorithm>
 #include <numbers>
 
 #include "mmlins/base/check.hpp"
@@ -41,9 +42,12 @@ ScanResult ScanTracker::track(std::shared_ptr<const sensor::LidarScan> scan, con
 
   // 1. Where did the IMU say we went while the LiDAR was sweeping?
   const sensor::ImuSamples samples = imu.covering(estimate_.state.time, scan->end_time);
-  const bool gap = to_seconds(imu.longest_gap(estimate_.state.time, scan->end_time)) > config_.imu.max_gap;
   MMLINS_CHECK(!samples.empty());
-  const imu::Propagation motion = imu::propagate(estimate_, samples, noise_);
+  imu::Propagation motion = imu::propagate(estimate_, samples, noise_);
+  const Duration silence = imu.longest_gap(estimate_.state.time, scan->end_time);
+  const bool gap = to_seconds(silence) > config_.imu.max_gap;
+  // A silence longer than this scan's step was doubted before: it counts only as far as it is new.
+  if (gap) motion.estimate.P += imu::doubt_after_gap(to_seconds(std::min(silence, scan->end_time - estimate_.state.time)));
   result.times.propagate = stopwatch.lap_ms();
 
   // 2. Straighten the scan with that motion: every point as seen from the IMU at the end of the scan.
@@ -70,7 +74,7 @@ ScanResult ScanTracker::track(std::shared_ptr<const sensor::LidarScan> scan, con
         [&](const imu::NavState& state, const imu::ErrorMatrix& P, int i) { return measurement.linearise(state, P, i); },
         {.max_iterations = config_.matching.max_iterations, .min_residuals = config_.matching.min_matches});
   }
-  estimate_ = update.estimate;
+  result.estimate = estimate_ = update.estimate;
   result.times.update = stopwatch.lap_ms();
 
   // 5. Grow the map with what was placed. A pose that nothing confirms never writes geometry.
@@ -78,7 +82,6 @@ ScanResult ScanTracker::track(std::shared_ptr<const sensor::LidarScan> scan, con
   if ((matched || first) && insertion_is_due()) insert_into_map(map_points);
   result.times.insert = stopwatch.lap_ms();
 
-  result.estimate = estimate_;
   result.state = matched || first ? TrackingState::kTracking : TrackingState::kBridging;
   if (!matched && !first) result.cause = cloud_imu->size() == 0 ? Cause::kNoPoints : Cause::kTooFewMatches;
   if (result.cause == Cause::kNone && gap) result.cause = Cause::kImuGap;

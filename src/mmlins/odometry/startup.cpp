@@ -107,7 +107,10 @@ Start run_window(const OdometryConfig& config, const sensor::Rig& rig, const std
   Start start;
   start.prior = prior;
   start.tracker = std::make_unique<ScanTracker>(config, rig, prior);
-  for (const ScanPointer& scan : scans) start.results.push_back(start.tracker->track(scan, imu));
+  for (const ScanPointer& scan : scans) {
+    start.results.push_back(start.tracker->track(scan, imu));
+    if (start.results.back().state == TrackingState::kTracking) start.results.back().state = TrackingState::kInitializing;
+  }
   return start;
 }
 

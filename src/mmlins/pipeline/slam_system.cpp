@@ -103,7 +103,7 @@ void Runner::process(const SyncedScan& synced) {
 }
 
 void Runner::record(const odometry::ScanResult& result) {
-  if (result.state == odometry::TrackingState::kTracking) result_.map.add(result);
+  if (result.state != odometry::TrackingState::kBridging) result_.map.add(result);
   result_.scans.push_back(to_record(result, std::exchange(read_ms_, 0.0)));
   if (observer_ && !observer_(result_.scans.back(), progress_)) result_.interrupted = true;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "mmlins/pipeline/voxel_map_builder.hpp"
 
-#include <cmath>
+#include "mmlins/math/grid.hpp"
 
 namespace mmlins::pipeline {
 
@@ -12,11 +12,7 @@ void VoxelMapBuilder::add(const odometry::ScanResult& result) {
   const auto inverse_voxel = static_cast<float>(inverse_voxel_);
   for (std::size_t i = 0; i < result.cloud_imu->size(); ++i) {
     const Eigen::Vector3f p_odom = R * result.cloud_imu->points[i] + t;
-    const auto part = [&](int axis) {
-      return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(p_odom[axis] * inverse_voxel)) + (1 << 20)) &
-             0x1FFFFF;
-    };
-    if (!cells_.insert(part(0) << 42 | part(1) << 21 | part(2)).second) continue;
+    if (!cells_.insert(math::cell_key(math::cell_at(p_odom, inverse_voxel))).second) continue;
     points_odom_.push_back(p_odom);
     intensities_.push_back(result.scan->intensities[result.cloud_imu->source[i]]);
   }

@@ -75,6 +75,8 @@ PlaneMatch KnnMap::match(const Eigen::Vector3d& point, double gate) const {
 }
 
 void KnnMap::evict_beyond(const Eigen::Vector3d& centre, double radius) {
+  if ((centre - last_eviction_).norm() < 0.1 * radius) return;
+  last_eviction_ = centre;
   table_.keep_if([&](const CellIndex& index, const Cell&) {
     return (table_.centre_of(index) - centre).squaredNorm() < radius * radius;
   });

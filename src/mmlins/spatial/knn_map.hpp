@@ -48,6 +48,7 @@ class KnnMap final : public LocalMap {
   KnnMapConfig config_;
   double range_variance_;
   VoxelTable<Cell> table_;
+  Eigen::Vector3d last_eviction_ = Eigen::Vector3d::Zero();
 };
 
 }  // namespace mmlins::spatial

@@ -25,7 +25,7 @@ class LocalMap {
   virtual void insert(std::span<const Eigen::Vector3d> points, const Eigen::Vector3d& viewpoint) = 0;
   /// The plane that suits the point best, no farther than `gate` [m]. Safe to call from many threads.
   [[nodiscard]] virtual PlaneMatch match(const Eigen::Vector3d& point, double gate) const = 0;
-  /// Forgets what lies farther than `radius` [m] from `centre`, perhaps a part at a time.
+  /// Forgets what lies farther than `radius` [m] from `centre`: not at once on every call, but soon.
   virtual void evict_beyond(const Eigen::Vector3d& centre, double radius) = 0;
   /// Number of cells held; a measure of memory.
   [[nodiscard]] virtual std::size_t num_cells() const = 0;

@@ -7,6 +7,11 @@
 
 namespace mmlins::spatial {
 
+namespace {
+// Walking all cells costs milliseconds; a tenth of the radius may pile up before it is worth it.
+constexpr double kEvictionStep = 0.1;
+}  // namespace
+
 Fields PlaneMapConfig::fields() {
   return {
       field("finest_cell", finest_cell, "m", {0.05, 2.0}, "edge of the smallest cells; each level above doubles it"),
@@ -28,7 +33,9 @@ Fields PlaneMapConfig::fields() {
 double PlaneMap::reach_of(const VoxelTable<Cell>& level) const { return config_.reach_in_cells * level.cell_size(); }
 
 PlaneMap::PlaneMap(const PlaneMapConfig& config, double range_noise)
-    : config_(config), range_variance_(range_noise * range_noise) {
+    : config_(config),
+      range_variance_(range_noise * range_noise),
+      last_evictions_(static_cast<std::size_t>(config.num_levels), Eigen::Vector3d::Zero()) {
   double cell_size = config.finest_cell;
   for (int i = 0; i < config.num_levels; ++i, cell_size *= 2.0) levels_.emplace_back(cell_size);
 }
@@ -117,10 +124,13 @@ PlaneMatch PlaneMap::match(const Eigen::Vector3d& point, double gate) const {
 }
 
 void PlaneMap::evict_beyond(const Eigen::Vector3d& centre, double radius) {
-  // One level per call spreads the work over several scans.
-  VoxelTable<Cell>& level = levels_[next_level_to_evict_];
-  next_level_to_evict_ = (next_level_to_evict_ + 1) % levels_.size();
+  // One level per call, in turn, spreads the work over several scans.
+  const std::size_t i = next_level_to_evict_;
+  next_level_to_evict_ = (i + 1) % levels_.size();
+  VoxelTable<Cell>& level = levels_[i];
   const double reach = std::min(radius, reach_of(level));
+  if ((centre - last_evictions_[i]).norm() < kEvictionStep * reach) return;
+  last_evictions_[i] = centre;
   level.keep_if([&](const CellIndex& index, const Cell&) {
     return (level.centre_of(index) - centre).squaredNorm() < reach * reach;
   });

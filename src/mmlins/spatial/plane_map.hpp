@@ -63,6 +63,7 @@ class PlaneMap final : public LocalMap {
   double range_variance_;
   std::vector<VoxelTable<Cell>> levels_;  ///< finest first
   std::size_t next_level_to_evict_ = 0;
+  std::vector<Eigen::Vector3d> last_evictions_;  ///< per level: where its far cells were last dropped
 };
 
 }  // namespace mmlins::spatial

@@ -10,10 +10,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "mmlins/math/grid.hpp"
+
 namespace mmlins::spatial {
 
-/// Integer coordinates of a cell.
-using CellIndex = Eigen::Vector3i;
+using math::CellIndex;
 
 template <typename Payload>
 class VoxelTable {
@@ -33,7 +34,7 @@ class VoxelTable {
 
   /// Position of a cell in payloads(), or -1.
   [[nodiscard]] std::int64_t find(const CellIndex& index) const {
-    const std::uint64_t key = key_of(index);
+    const std::uint64_t key = math::cell_key(index);
     for (std::size_t slot = slot_of(key);; slot = (slot + 1) & (slots_.size() - 1)) {
       if (slots_[slot] == kEmpty) return -1;
       if (keys_[slots_[slot]] == key) return slots_[slot];
@@ -43,7 +44,7 @@ class VoxelTable {
   /// Position of a cell in payloads(); made with a default payload if it was not there.
   std::uint32_t find_or_add(const CellIndex& index) {
     if (4 * (keys_.size() + 1) > 3 * slots_.size()) rehash(2 * slots_.size());
-    const std::uint64_t key = key_of(index);
+    const std::uint64_t key = math::cell_key(index);
     std::size_t slot = slot_of(key);
     while (slots_[slot] != kEmpty) {
       if (keys_[slots_[slot]] == key) return slots_[slot];
@@ -60,7 +61,7 @@ class VoxelTable {
   void keep_if(const Keep& keep) {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < keys_.size(); ++i) {
-      if (!keep(index_from(keys_[i]), payloads_[i])) continue;
+      if (!keep(math::cell_of_key(keys_[i]), payloads_[i])) continue;
       keys_[kept] = keys_[i];
       payloads_[kept] = std::move(payloads_[i]);
       ++kept;
@@ -76,17 +77,8 @@ class VoxelTable {
  private:
   static constexpr std::uint32_t kEmpty = 0xFFFFFFFF;
   static constexpr double kShift = 0.381966;
-  static constexpr int kHalfRange = 1 << 20;
 
-  [[nodiscard]] static std::uint64_t key_of(const CellIndex& index) {
-    const auto part = [](int value) { return static_cast<std::uint64_t>(value + kHalfRange) & 0x1FFFFF; };
-    return part(index.x()) << 42 | part(index.y()) << 21 | part(index.z());
-  }
-  [[nodiscard]] static CellIndex index_from(std::uint64_t key) {
-    const auto part = [&](int shift) { return static_cast<int>(key >> shift & 0x1FFFFF) - kHalfRange; };
-    return {part(42), part(21), part(0)};
-  }
-  [[nodiscard]] std::size_t slot_of(std::uint64_t key) const { return (key * 0x9E3779B97F4A7C15ULL) >> hash_shift_; }
+  [[nodiscard]] std::size_t slot_of(std::uint64_t key) const { return math::hash_slot(key, hash_shift_); }
 
   void rehash(std::size_t num_slots) {
     slots_.assign(num_slots, kEmpty);
