@@ -85,7 +85,7 @@ void print_result(const RunOptions& options, const pipeline::RunResult& result) 
   fmt::print("{} scans, {:.1f} s, {:.1f} m; {:.2f} ms per scan (p99 {:.1f}, max {:.1f}); {:.1f} s of work, {:.0f} MiB\n",
              result.scans.size(), seconds, pipeline::path_length(result), statistics.mean_ms, statistics.p99_ms,
              statistics.max_ms, result.wall_seconds, pipeline::peak_memory_mib());
-  fmt::print("{} map points; everything lies in {}\n", result.map.points_odom().size(), options.out);
+  fmt::print("{} map points; everything lies in {}\n", result.map.num_points(), options.out);
 }
 
 int run(const RunOptions& options) {

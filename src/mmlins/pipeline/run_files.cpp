@@ -92,7 +92,7 @@ std::string summary_json(const RunResult& result, const RunSource& source, const
   summary["read_error"] = result.read_error;
   summary["duration_s"] = seconds;
   summary["path_length_m"] = path_length(result);
-  summary["map_points"] = result.map.points_odom().size();
+  summary["map_points"] = result.map.num_points();
   summary["stages"] = stages_json(result);
   summary["wall_s"] = result.wall_seconds;
   summary["real_time_factor"] = seconds > 0.0 ? result.wall_seconds / seconds : 0.0;

@@ -1,21 +1,31 @@
 // SPDX-License-Identifier: MIT
 #include "mmlins/pipeline/voxel_map_builder.hpp"
 
-#include "mmlins/math/grid.hpp"
-
 namespace mmlins::pipeline {
 
 void VoxelMapBuilder::add(const odometry::ScanResult& result) {
   const math::SE3 T_odom_imu = result.estimate.state.T_odom_imu();
-  const Eigen::Matrix3f R = T_odom_imu.R.cast<float>();
-  const Eigen::Vector3f t = T_odom_imu.t.cast<float>();
-  const auto inverse_voxel = static_cast<float>(inverse_voxel_);
   for (std::size_t i = 0; i < result.cloud_imu->size(); ++i) {
-    const Eigen::Vector3f p_odom = R * result.cloud_imu->points[i] + t;
-    if (!cells_.insert(math::cell_key(math::cell_at(p_odom, inverse_voxel))).second) continue;
-    points_odom_.push_back(p_odom);
-    intensities_.push_back(result.scan->intensities[result.cloud_imu->source[i]]);
+    const math::Vector3d p_odom = T_odom_imu * result.cloud_imu->points[i].cast<double>();
+    const std::size_t num_before = cells_.payloads().size();
+    const std::uint32_t id = cells_.find_or_add(cells_.index_of(p_odom));
+    if (cells_.payloads().size() == num_before) continue;
+    cells_.payloads()[id] = {p_odom.cast<float>(), result.scan->intensities[result.cloud_imu->source[i]]};
   }
+}
+
+std::vector<Eigen::Vector3f> VoxelMapBuilder::points_odom() const {
+  std::vector<Eigen::Vector3f> points;
+  points.reserve(num_points());
+  for (const Point& point : cells_.payloads()) points.push_back(point.p_odom);
+  return points;
+}
+
+std::vector<float> VoxelMapBuilder::intensities() const {
+  std::vector<float> intensities;
+  intensities.reserve(num_points());
+  for (const Point& point : cells_.payloads()) intensities.push_back(point.intensity);
+  return intensities;
 }
 
 }  // namespace mmlins::pipeline

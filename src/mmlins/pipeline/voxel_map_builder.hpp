@@ -4,30 +4,31 @@
 // surface and not the length of the recording.
 
 #include <Eigen/Core>
-#include <cstdint>
-#include <unordered_set>
 #include <vector>
 
-#include "mmlins/math/se3.hpp"
 #include "mmlins/odometry/scan_result.hpp"
+#include "mmlins/spatial/voxel_table.hpp"
 
 namespace mmlins::pipeline {
 
 class VoxelMapBuilder {
  public:
-  explicit VoxelMapBuilder(double voxel) : inverse_voxel_(1.0 / voxel) {}
+  explicit VoxelMapBuilder(double voxel) : cells_(voxel) {}
 
   /// Adds the points of a tracked scan that fall into empty cells.
   void add(const odometry::ScanResult& result);
 
-  [[nodiscard]] const std::vector<Eigen::Vector3f>& points_odom() const { return points_odom_; }
-  [[nodiscard]] const std::vector<float>& intensities() const { return intensities_; }
+  [[nodiscard]] std::size_t num_points() const { return cells_.payloads().size(); }
+  [[nodiscard]] std::vector<Eigen::Vector3f> points_odom() const;
+  [[nodiscard]] std::vector<float> intensities() const;
 
  private:
-  double inverse_voxel_;
-  std::unordered_set<std::uint64_t> cells_;
-  std::vector<Eigen::Vector3f> points_odom_;
-  std::vector<float> intensities_;
+  struct Point {
+    Eigen::Vector3f p_odom;
+    float intensity = 0.0F;
+  };
+
+  spatial::VoxelTable<Point> cells_;
 };
 
 }  // namespace mmlins::pipeline
