@@ -43,6 +43,12 @@ Time zero_of_field(const PointTimeModel& model, Time stamp, std::int64_t first, 
 
 }  // namespace
 
+Time zero_of_times(LidarCloud cloud, const PointTimeModel& model) {
+  if (cloud.times.empty()) return cloud.stamp;
+  const auto [first, last] = drop_strays(cloud);
+  return zero_of_field(model, cloud.stamp, first, last);
+}
+
 sensor::LidarScan to_scan(LidarCloud cloud, const PointTimeModel& model, Duration time_offset) {
   sensor::LidarScan scan;
   scan.start_time = scan.end_time = cloud.stamp + time_offset;

@@ -13,4 +13,8 @@ namespace mmlins::io {
 /// @param time_offset  added to all times: from the clock of the LiDAR to that of the IMU
 [[nodiscard]] sensor::LidarScan to_scan(LidarCloud cloud, const PointTimeModel& model, Duration time_offset);
 
+/// The time at which the time field of this message is zero.
+/// @param cloud  with points and times
+[[nodiscard]] Time zero_of_times(LidarCloud cloud, const PointTimeModel& model);
+
 }  // namespace mmlins::io

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <utility>
+#include <vector>
 
 namespace mmlins::io {
 namespace {
@@ -60,6 +61,15 @@ struct Rosbag1RawWriter::Impl {
   std::string temporary_path;
   rosbag::Bag bag;
   bool is_open = false;
+  struct Connection {
+    std::string topic;
+    MessageType type;
+    boost::shared_ptr<ros::M_string> header;
+  };
+  std::vector<Connection> connections;
+
+  Status write(const std::string& topic, Time record_time, const RawContent& content,
+               const boost::shared_ptr<ros::M_string>& header);
 
   ~Impl() {
     if (!is_open) return;
@@ -97,22 +107,39 @@ Result<Rosbag1RawWriter> Rosbag1RawWriter::create(const std::string& path) {
   return Rosbag1RawWriter(std::move(impl));
 }
 
-Status Rosbag1RawWriter::write(const std::string& topic, const MessageType& type, Time record_time,
-                               const std::uint8_t* data, std::size_t size) {
-  if (!impl_->is_open) return make_error(ErrorCode::kIo, "{}: is closed already", impl_->path);
+Status Rosbag1RawWriter::Impl::write(const std::string& topic, Time record_time, const RawContent& content,
+                                     const boost::shared_ptr<ros::M_string>& header) {
+  if (!is_open) return make_error(ErrorCode::kIo, "{}: is closed already", path);
   const std::int64_t ns = to_ns(record_time);
   if (ns <= 0 || ns / 1'000'000'000 > 0xffffffffLL) {
     return make_error(ErrorCode::kInvalid, "{}: {}: record time {} ns does not fit into a bag (1970 to 2106)",
-                      impl_->path, topic, ns);
+                      path, topic, ns);
   }
   const ros::Time time(static_cast<std::uint32_t>(ns / 1'000'000'000),
                        static_cast<std::uint32_t>(ns % 1'000'000'000));
   try {
-    impl_->bag.write(topic, time, RawContent{&type, data, size});
+    bag.write(topic, time, content, header);
   } catch (const std::exception& exception) {
-    return make_error(ErrorCode::kIo, "{}: cannot be written: {}", impl_->path, exception.what());
+    return make_error(ErrorCode::kIo, "{}: cannot be written: {}", path, exception.what());
   }
   return {};
+}
+
+Status Rosbag1RawWriter::write(const std::string& topic, const MessageType& type, Time record_time,
+                               const std::uint8_t* data, std::size_t size) {
+  return impl_->write(topic, record_time, RawContent{&type, data, size}, {});
+}
+
+std::size_t Rosbag1RawWriter::add_connection(const BagConnection& connection) {
+  auto header = boost::make_shared<ros::M_string>(connection.header.begin(), connection.header.end());
+  impl_->connections.push_back({connection.topic, connection.type, std::move(header)});
+  return impl_->connections.size() - 1;
+}
+
+Status Rosbag1RawWriter::write_to(std::size_t connection, Time record_time, const std::uint8_t* data,
+                                  std::size_t size) {
+  const Impl::Connection& to = impl_->connections.at(connection);
+  return impl_->write(to.topic, record_time, RawContent{&to.type, data, size}, to.header);
 }
 
 Status Rosbag1RawWriter::close() {

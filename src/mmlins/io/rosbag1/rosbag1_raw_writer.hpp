@@ -10,15 +10,9 @@
 
 #include "mmlins/base/result.hpp"
 #include "mmlins/base/time.hpp"
+#include "mmlins/io/rosbag1/rosbag1_connection.hpp"
 
 namespace mmlins::io {
-
-/// What a bag records about the type of a topic.
-struct MessageType {
-  std::string name;
-  std::string md5sum;
-  std::string definition;
-};
 
 /// The file appears under its own name when close() succeeds; until then it has a temporary name, and
 /// it is removed if the writer is destroyed before.
@@ -33,6 +27,11 @@ class Rosbag1RawWriter {
   /// @param record_time  later than the epoch, before the year 2106
   [[nodiscard]] Status write(const std::string& topic, const MessageType& type, Time record_time,
                              const std::uint8_t* data, std::size_t size);
+  /// For copies: a connection with the header that it has elsewhere. @return its number for write_to()
+  [[nodiscard]] std::size_t add_connection(const BagConnection& connection);
+  /// The same as write(), through a connection that was added.
+  [[nodiscard]] Status write_to(std::size_t connection, Time record_time, const std::uint8_t* data,
+                                std::size_t size);
   [[nodiscard]] Status close();
 
  private:

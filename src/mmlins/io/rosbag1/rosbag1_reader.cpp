@@ -20,11 +20,13 @@ struct Rosbag1Reader::Impl {
   std::string path;
   rosbag::Bag bag;
   std::vector<BagTopic> topics;
+  std::vector<BagConnection> connections;
   std::size_t num_messages = 0;
   Time start_time;
   Time end_time;
   // The library hands out a connection's topic name by reference: its address tells the connection.
   std::unordered_map<const std::string*, std::size_t> topic_of_connection;
+  std::unordered_map<const std::string*, std::size_t> number_of_connection;
   std::unique_ptr<rosbag::View> view;
   rosbag::View::iterator position;
   bool at_message = false;  // position points at the message that next() returned last
@@ -79,6 +81,12 @@ Error damaged(const std::string& path, const char* what) {
                     path);
 }
 
+BagConnection description_of(const rosbag::ConnectionInfo& info) {
+  BagConnection connection{info.topic, {info.datatype, info.md5sum, info.msg_def}, {}};
+  if (info.header) connection.header.insert(info.header->begin(), info.header->end());
+  return connection;
+}
+
 using ConnectionQuery = std::function<bool(const rosbag::ConnectionInfo*)>;
 
 }  // namespace
@@ -106,8 +114,11 @@ Result<Rosbag1Reader> Rosbag1Reader::open(const std::string& path) {
       connections[{connection->topic, connection->datatype}].push_back(connection);
     }
     for (const auto& [topic, members] : connections) {
-      for (const auto* connection : members)
+      for (const auto* connection : members) {
         impl->topic_of_connection[&connection->topic] = impl->topics.size();
+        impl->number_of_connection[&connection->topic] = impl->connections.size();
+        impl->connections.push_back(description_of(*connection));
+      }
       const ConnectionQuery is_member = [&list = members](const rosbag::ConnectionInfo* connection) {
         return std::find(list.begin(), list.end(), connection) != list.end();
       };
@@ -129,6 +140,7 @@ Result<Rosbag1Reader> Rosbag1Reader::open(const std::string& path) {
 
 const std::string& Rosbag1Reader::path() const { return impl_->path; }
 const std::vector<BagTopic>& Rosbag1Reader::topics() const { return impl_->topics; }
+const std::vector<BagConnection>& Rosbag1Reader::connections() const { return impl_->connections; }
 std::size_t Rosbag1Reader::num_messages() const { return impl_->num_messages; }
 Time Rosbag1Reader::start_time() const { return impl_->start_time; }
 Time Rosbag1Reader::end_time() const { return impl_->end_time; }
@@ -173,9 +185,9 @@ Result<std::optional<RawMessage>> Rosbag1Reader::next() {
     BufferStream stream(impl_->buffer);
     message.write(stream);
     impl_->at_message = true;
-    return std::optional<RawMessage>(RawMessage{impl_->topic_of_connection.at(&message.getTopic()),
-                                                to_time(message.getTime()), impl_->buffer.data(),
-                                                stream.size()});
+    return std::optional<RawMessage>(RawMessage{
+        impl_->topic_of_connection.at(&message.getTopic()), impl_->number_of_connection.at(&message.getTopic()),
+        to_time(message.getTime()), impl_->buffer.data(), stream.size()});
   } catch (const std::exception& exception) {
     impl_->position = impl_->view->end();
     return damaged(impl_->path, exception.what());

@@ -13,6 +13,7 @@
 
 #include "mmlins/base/result.hpp"
 #include "mmlins/base/time.hpp"
+#include "mmlins/io/rosbag1/rosbag1_connection.hpp"
 
 namespace mmlins::io {
 
@@ -25,7 +26,8 @@ struct BagTopic {
 
 /// One message as recorded. `data` stays valid until the reader is moved on or destroyed.
 struct RawMessage {
-  std::size_t topic = 0;  ///< index into Rosbag1Reader::topics()
+  std::size_t topic = 0;       ///< index into Rosbag1Reader::topics()
+  std::size_t connection = 0;  ///< index into Rosbag1Reader::connections()
   Time record_time;       ///< when the recorder received it
   const std::uint8_t* data = nullptr;
   std::size_t size = 0;  ///< [bytes]
@@ -43,6 +45,8 @@ class Rosbag1Reader {
   [[nodiscard]] const std::string& path() const;
   /// In alphabetical order.
   [[nodiscard]] const std::vector<BagTopic>& topics() const;
+  /// Topic by topic; a topic has one for each publisher.
+  [[nodiscard]] const std::vector<BagConnection>& connections() const;
   [[nodiscard]] std::size_t num_messages() const;
   /// Earliest and latest record time; the epoch if the bag is empty.
   [[nodiscard]] Time start_time() const;
