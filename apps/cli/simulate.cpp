@@ -15,6 +15,8 @@
 #include "mmlins/config/yaml_config.hpp"
 #include "mmlins/eval/trajectory_file.hpp"
 #include "mmlins/io/rosbag1_writer.hpp"
+#include "mmlins/sim/map_picture.hpp"
+#include "mmlins/sim/open_simulation.hpp"
 #include "mmlins/sim/scenario.hpp"
 
 namespace mmlins::cli {
@@ -126,13 +128,14 @@ Status write_descriptions(const fs::path& out, const sim::Simulation& simulation
   return eval::write_tum((out / "truth.tum").string(), simulation.truth(kTruthRate));
 }
 
-Result<Written> simulate_into(const fs::path& out, sim::SimulationConfig& config,
-                              SimulateProgress& progress) {
-  sim::Simulation simulation(config);
+Result<Written> simulate_into(const fs::path& out, sim::Simulation& simulation, SimulateProgress& progress) {
+  sim::SimulationConfig config = simulation.config();
   auto written = write_bag((out / "recording.bag").string(), simulation, progress);
   progress.finish();
   if (!written) return written;
   if (const Status status = write_descriptions(out, simulation, config); !status) return status.error();
+  if (const Status status = write_text_file((out / "map.svg").string(), sim::map_svg(simulation)); !status)
+    return status.error();
   return written;
 }
 
@@ -144,6 +147,8 @@ int simulate(const SimulateOptions& options) {
   }
   auto config = sim::load_scenario(options.scenario, options.overrides);
   if (!config) return fail(config.error());
+  const auto simulation = sim::open_simulation(*config, options.scenario);
+  if (!simulation) return fail(simulation.error());
 
   const fs::path out(options.out);
   std::error_code failure;
@@ -155,7 +160,7 @@ int simulate(const SimulateOptions& options) {
   std::signal(SIGINT, on_interrupt);
   std::signal(SIGTERM, on_interrupt);
   SimulateProgress progress;
-  const auto written = simulate_into(out, *config, progress);
+  const auto written = simulate_into(out, **simulation, progress);
   if (!written) {
     if (is_new) fs::remove(out, failure);  // only if nothing is in it
     return fail(written.error());
@@ -163,8 +168,9 @@ int simulate(const SimulateOptions& options) {
   fmt::print("{}: {} scans with {} points, {} IMU samples, {:.0f} s recorded in {:.1f} s\n",
              (out / "recording.bag").string(), written->num_scans, written->num_points, written->num_imu,
              config->duration, progress.elapsed_seconds());
-  fmt::print("{}: the true poses; rig.yaml, scenario.yaml and events.csv lie beside them\n",
-             (out / "truth.tum").string());
+  fmt::print(
+      "{}: the true poses; rig.yaml, scenario.yaml, events.csv and the picture map.svg lie beside them\n",
+      (out / "truth.tum").string());
   return 0;
 }
 
@@ -175,7 +181,7 @@ void add_simulate(CLI::App& program, int& exit_code) {
   CLI::App* command = program.add_subcommand("simulate", "Make up a recording, with its truth");
   command->add_option("SCENARIO", options->scenario, "name of a built-in scenario, or a YAML file");
   command->add_option("--out", options->out,
-                      "folder for recording.bag, truth.tum, events.csv, rig.yaml and scenario.yaml");
+                      "folder for recording.bag, truth.tum, events.csv, map.svg, rig.yaml and scenario.yaml");
   command
       ->add_option("--set", options->overrides,
                    "change a field of the scenario, as group.key=value; may be repeated")

@@ -9,7 +9,7 @@ import tempfile
 import unittest
 
 MMLINS = sys.argv[1]
-FILES = ["events.csv", "recording.bag", "rig.yaml", "scenario.yaml", "truth.tum"]
+FILES = ["events.csv", "map.svg", "recording.bag", "rig.yaml", "scenario.yaml", "truth.tum"]
 # Small enough for a second: 2 s, few columns.
 SHORT = ["--set", "duration=2", "--set", "trajectory.stand_still=0.5", "--set", "sensor.columns=120"]
 
@@ -65,6 +65,27 @@ class Simulate(unittest.TestCase):
         self.assertEqual(simulate(self.path("a/scenario.yaml"), "--out", self.path("b")).returncode, 0)
         for name in FILES:
             self.assertTrue(filecmp.cmp(self.path("a/" + name), self.path("b/" + name), shallow=False), name)
+
+    def test_a_path_through_a_wall_and_a_missing_cloud_are_refused_and_leave_nothing(self):
+        self.assert_refused(simulate("demo", "--out", self.path("a"), "--set", "trajectory.semi_axis_x=30"), "leads through", "demo")
+        cloud = ["demo", "--out", self.path("a"), "--set", "world.scene=cloud", "--set"]
+        self.assert_refused(simulate(*cloud, "world.file=/missing.pcd"), "/missing.pcd")
+        self.assertFalse(os.path.exists(self.path("a")))
+
+    def test_a_cloud_becomes_a_world(self):
+        with open(self.path("site.ply"), "w", encoding="ascii") as file:  # the floor and four walls of a hall
+            points = [(0.1 * i, 0.1 * k, 0.0) for i in range(-200, 201) for k in range(-200, 201)]
+            for z in range(60):
+                for i in range(-200, 201):
+                    points += [(0.1 * i, 20, 0.1 * z), (0.1 * i, -20, 0.1 * z)]
+                    points += [(20, 0.1 * i, 0.1 * z), (-20, 0.1 * i, 0.1 * z)]
+            header = "ply\nformat ascii 1.0\nelement vertex %d\n" % len(points)
+            file.write(header + "".join("property float %s\n" % axis for axis in "xyz") + "end_header\n")
+            file.writelines("%.2f %.2f %.2f\n" % point for point in points)
+        options = ["--set", "world.scene=cloud", "--set", "world.file=" + self.path("site.ply")]
+        result = simulate("demo", "--out", self.path("a"), *SHORT, *options)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertNotIn(" 0 points", result.stdout)
 
     def test_events_are_written_with_absolute_times(self):
         event = "events=[{kind: bag, start: 0.5, duration: 1}, {kind: packet_loss, start: 1.75, duration: 0.1}]"

@@ -128,14 +128,30 @@ Kinematics transformed(const math::SE3& T_new_old, const Kinematics& old) {
           old.angular_rate_imu};
 }
 
-std::unique_ptr<Motion> make_motion(const TrajectoryConfig& config, const Route& route) {
-  return std::make_unique<LoopMotion>(config, route);
+std::unique_ptr<Motion> make_motion(const TrajectoryConfig& config, const Route& scene_route) {
+  if (config.route.empty()) return std::make_unique<LoopMotion>(config, scene_route);
+  Route own;
+  for (const RouteCorner& corner : config.route) {
+    own.corners.emplace_back(corner.x, corner.y);
+    own.heights.push_back(corner.z);
+  }
+  return std::make_unique<LoopMotion>(config, own);
+}
+
+Fields RouteCorner::fields() {
+  return {
+      field("x", x, "m", {-1e5, 1e5}, "in the coordinates of the scene"),
+      field("y", y, "m", {-1e5, 1e5}, ""),
+      field("z", z, "m", {-1e4, 1e4}, "height of the ground"),
+  };
 }
 
 Fields TrajectoryConfig::fields() {
   return {
       field("style", style, {"ellipse", "route"},
             "an ellipse about the middle of the scene, or the scene's own course"),
+      groups("route", route,
+             "corners of a course that takes the place of the scene's; at least three, closed"),
       field("speed", speed, "m/s", {0.05, 40.0}, "cruising speed; of an ellipse the mean"),
       field("stand_still", stand_still, "s", {0.0, 600.0}, "time before the first movement"),
       field("start_in_motion", start_in_motion,

@@ -32,8 +32,17 @@ class Motion {
 
 enum class PathStyle { kEllipse, kRoute };
 
+/// A corner of a course that somebody wrote down; in the coordinates of the scene.
+struct RouteCorner {
+  double x = 0.0, y = 0.0;  ///< [m]
+  double z = 0.0;           ///< of the ground [m]
+
+  [[nodiscard]] Fields fields();
+};
+
 struct TrajectoryConfig {
   PathStyle style = PathStyle::kEllipse;
+  std::vector<RouteCorner> route;
   double speed = 1.2;
   double stand_still = 3.0;
   bool start_in_motion = false;
@@ -57,7 +66,8 @@ struct TrajectoryConfig {
   [[nodiscard]] Fields fields();
 };
 
-/// @param route  the course that the scene offers, used by PathStyle::kRoute
-[[nodiscard]] std::unique_ptr<Motion> make_motion(const TrajectoryConfig& config, const Route& route);
+/// @param scene_route  the course that the scene offers, used by PathStyle::kRoute unless the config has its
+/// own
+[[nodiscard]] std::unique_ptr<Motion> make_motion(const TrajectoryConfig& config, const Route& scene_route);
 
 }  // namespace mmlins::sim

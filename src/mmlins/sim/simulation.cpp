@@ -32,6 +32,16 @@ Polygon places_passed(const Motion& motion, double duration) {
   return places;
 }
 
+Status validate_route(const SimulationConfig& config, const std::string& source) {
+  const std::size_t corners = config.trajectory.route.size();
+  if (config.trajectory.style != PathStyle::kRoute) return {};
+  if (corners >= 3 || (corners == 0 && config.world.scene != SceneKind::kCloud)) return {};
+  return make_error(
+      ErrorCode::kInvalid,
+      "{}: trajectory.route needs three corners or more, as in [{{x: 0, y: 0}}, ...]; it has {}", source,
+      corners);
+}
+
 }  // namespace
 
 Fields SimulationConfig::fields() {
@@ -58,6 +68,7 @@ Status validate(const SimulationConfig& config, const std::string& source) {
       return status;
     }
   }
+  if (const Status status = validate_route(config, source); !status) return status;
   if (!config.trajectory.start_in_motion && config.trajectory.stand_still >= config.duration) {
     return make_error(
         ErrorCode::kInvalid,
@@ -67,11 +78,13 @@ Status validate(const SimulationConfig& config, const std::string& source) {
   return {};
 }
 
-Simulation::Simulation(const SimulationConfig& config)
+Simulation::Simulation(const SimulationConfig& config) : Simulation(config, nullptr) {}
+
+Simulation::Simulation(const SimulationConfig& config, std::unique_ptr<World> world)
     : config_(config),
       T_world_scene_(config.world.T_world_scene()),
       motion_(make_motion(config.trajectory, scene_route(config.world))),
-      world_(make_world(config.world, places_passed(*motion_, config.duration))),
+      world_(world ? std::move(world) : make_world(config.world, places_passed(*motion_, config.duration))),
       imu_(config.imu, part_seed(config, kImu), from_seconds(config.duration)),
       lidar_(config.sensor, part_seed(config, kLidar)),
       degrader_(config.events, kStart, {part_seed(config, kEvents), config.sensor.nearest()}) {}

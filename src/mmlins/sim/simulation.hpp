@@ -36,6 +36,8 @@ class Simulation : public sensor::Dataset {
  public:
   /// The config must be valid (validate()).
   explicit Simulation(const SimulationConfig& config);
+  /// In another world than the config's; open_simulation() uses it for those that are read from files.
+  Simulation(const SimulationConfig& config, std::unique_ptr<World> world);
 
   /// IMU samples and scans in the order in which they would be recorded: a scan is complete only after its
   /// last point, and comes after the IMU samples of that time.
@@ -46,6 +48,7 @@ class Simulation : public sensor::Dataset {
   /// Noise-free ranges of the scan that next() gave last; points that an event has moved are on surface -1.
   [[nodiscard]] const ScanTruth& scan_truth() const { return scan_truth_; }
 
+  [[nodiscard]] const SimulationConfig& config() const { return config_; }
   [[nodiscard]] Time start_time() const;
   [[nodiscard]] Time end_time() const;
   [[nodiscard]] math::SE3 T_world_imu(Time time) const;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "mmlins/base/check.hpp"
 #include "mmlins/sim/random.hpp"
 #include "mmlins/sim/scenes.hpp"
 
@@ -19,6 +20,9 @@ constexpr int kMaxSteps = 6;
 constexpr double kCloseEnough = 1e-4;  // [m]
 constexpr double kMinSlope = 0.02;     // rays more grazing than this see no defined surface
 
+// A cloud offers no course of its own.
+Route cloud_route(const WorldConfig&) { return {}; }
+
 struct Scene {
   const char* name;
   Route (*route)(const WorldConfig&);
@@ -26,7 +30,7 @@ struct Scene {
 };
 
 // In the order of SceneKind.
-constexpr std::array<Scene, 11> kScenes{{{"hall", hall_route, hall_shapes},
+constexpr std::array<Scene, 12> kScenes{{{"hall", hall_route, hall_shapes},
                                          {"street", street_route, street_shapes},
                                          {"office", office_route, office_shapes},
                                          {"yard", yard_route, yard_shapes},
@@ -36,7 +40,8 @@ constexpr std::array<Scene, 11> kScenes{{{"hall", hall_route, hall_shapes},
                                          {"tunnel", tunnel_route, tunnel_shapes},
                                          {"field", field_route, field_shapes},
                                          {"decoy", decoy_route, decoy_shapes},
-                                         {"floors", floors_route, floors_shapes}}};
+                                         {"floors", floors_route, floors_shapes},
+                                         {"cloud", cloud_route, nullptr}}};
 
 const Scene& scene_of(const WorldConfig& config) { return kScenes[static_cast<std::size_t>(config.scene)]; }
 
@@ -105,7 +110,12 @@ math::SE3 WorldConfig::T_world_scene() const {
 
 Fields WorldConfig::fields() {
   return {
-      field("scene", scene, scene_names(), "what kind of place"),
+      field("scene", scene, scene_names(), "what kind of place; cloud: made from world.file"),
+      field("file", file, "point cloud (.pcd or .ply) that a world of the kind cloud is made from"),
+      field("disc_spacing", disc_spacing, "m", {0.01, 5.0},
+            "edge of the cubes that get a disc each, of a cloud"),
+      field("disc_radius", disc_radius, "m", {0.0, 5.0},
+            "of the discs of a cloud; 0: just enough to leave no holes"),
       field("seed", seed, "", {0, 1e9}, "another number, another place of that kind"),
       field("yaw_deg", yaw_deg, "deg", {-180.0, 180.0}, "how the scene is turned in the world"),
       field("offset", offset, "m", {-1e5, 1e5}, "where the scene lies in the world"),
@@ -119,6 +129,7 @@ Fields WorldConfig::fields() {
 Route scene_route(const WorldConfig& config) { return scene_of(config).route(config); }
 
 std::unique_ptr<ShapeWorld> make_world(const WorldConfig& config, const Polygon& keep_free) {
+  MMLINS_CHECK(config.scene != SceneKind::kCloud);
   const auto seed = static_cast<std::uint64_t>(config.seed);
   return std::make_unique<ShapeWorld>(scene_of(config).shapes(config, keep_free),
                                       ShapeWorld::Roughness{config.unevenness, config.ground_waves, seed});

@@ -41,11 +41,15 @@ enum class SceneKind {
   kTunnel,
   kField,
   kDecoy,
-  kFloors
+  kFloors,
+  kCloud
 };
 
 struct WorldConfig {
   SceneKind scene = SceneKind::kHall;
+  std::string file;
+  double disc_spacing = 0.2;
+  double disc_radius = 0.0;
   int seed = 1;
   double yaw_deg = 27.3;
   std::array<double, 3> offset{3.137, -1.713, 0.371};
@@ -88,7 +92,7 @@ class ShapeWorld : public World {
 
 /// The course on which a carrier can travel through the scene, in the scene's coordinates.
 [[nodiscard]] Route scene_route(const WorldConfig& config);
-/// The scene, in its own coordinates.
+/// The scene, in its own coordinates. Not for SceneKind::kCloud, which comes from load_cloud_world().
 /// @param keep_free  places that the carrier passes; loose objects keep away from them
 [[nodiscard]] std::unique_ptr<ShapeWorld> make_world(const WorldConfig& config, const Polygon& keep_free);
 
