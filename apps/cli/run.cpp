@@ -74,7 +74,7 @@ Status load(const RunOptions& options, sensor::Rig& rig, pipeline::SlamConfig& c
   for (const std::string& assignment : options.overrides) {
     if (Status status = config::apply_override(config.fields(), assignment); !status) return status;
   }
-  return {};
+  return pipeline::validate(config, options.config_file.empty() ? "config" : options.config_file);
 }
 
 void print_result(const RunOptions& options, const pipeline::RunResult& result) {

@@ -2,7 +2,10 @@
 #pragma once
 // The whole configuration of a run: the configs of its parts, nested.
 
+#include <string>
+
 #include "mmlins/base/config_fields.hpp"
+#include "mmlins/base/result.hpp"
 #include "mmlins/odometry/odometry_config.hpp"
 
 namespace mmlins::pipeline {
@@ -23,5 +26,9 @@ struct SlamConfig {
     return {group("odometry", odometry, "LiDAR-inertial odometry"), group("output", output, "files of a run")};
   }
 };
+
+/// Checks what the ranges of single fields cannot: values that must be in order.
+/// @param source  what to call the configuration in the message: its file name
+[[nodiscard]] Status validate(const SlamConfig& config, const std::string& source);
 
 }  // namespace mmlins::pipeline
