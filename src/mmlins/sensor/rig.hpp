@@ -16,7 +16,7 @@ enum class TimeReference { kAuto, kAbsolute, kRelative };
 enum class StampReference { kAuto, kStart, kEnd };
 enum class AccelUnit { kAuto, kMetresPerSecondSquared, kStandardGravity };
 
-/// Every key may be left out of the file: empty text, "auto" and 0 mean "find out".
+/// Every key may be left out of the file: empty text and "auto" mean "find out".
 struct Rig {
   std::string lidar_model;
   std::string lidar_topic;
