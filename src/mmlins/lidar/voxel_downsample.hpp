@@ -10,12 +10,13 @@ namespace mmlins::lidar {
 /// kept, not a mean: its noise is that of one measurement, and nothing is averaged across time.
 [[nodiscard]] Cloud voxel_downsample(const Cloud& cloud, double leaf);
 
-/// Leaf that brings about `target` points, given that `leaf` brought `count`. The number of cells that
-/// surfaces fill falls with the square of the leaf. Clamped to [min_leaf, max_leaf].
 struct LeafLimits {
   double min_leaf = 0.1;  ///< [m]
-  double max_leaf = 1.0;  ///< [m]
+  double max_leaf = 1.0;  ///< [m], not below min_leaf
 };
+
+/// Leaf that brings about `target` points, given that `leaf` brought `count`. The number of cells that
+/// surfaces fill falls with the square of the leaf. Clamped to the limits.
 [[nodiscard]] double adapt_leaf(double leaf, std::size_t count, std::size_t target, const LeafLimits& limits);
 
 }  // namespace mmlins::lidar

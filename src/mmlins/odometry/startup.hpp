@@ -22,16 +22,16 @@ struct Start {
   int passes = 0;
 };
 
-/// Whether the IMU alone would allow that the robot stands still between two times.
+/// Whether the IMU alone would allow that the robot stands still throughout `samples`; not with fewer than ten.
 [[nodiscard]] bool imu_is_quiet(const sensor::ImuSamples& samples, const StartConfig& config);
 
-/// The prior at the first sample, with attitude level and heading zero. Eqs. (20)-(22).
+/// The prior at the first sample, with attitude level and heading zero. Eqs. (20), (21).
 /// @param at_rest  take the robot to stand still throughout `samples`
 [[nodiscard]] imu::Estimate start_prior(const sensor::ImuSamples& samples, const StartConfig& config, bool at_rest);
 
-/// Finds the start. Nothing if the robot looked at rest but the scans say that it moves, and the window is too
-/// short for a start in motion.
-/// @param scans  in order of time, none empty of time; at least one
+/// Finds the start. Nothing if the window is too short for a start in motion, and the robot is not at rest: the
+/// IMU is not quiet, or it is but the scans say that something moves.
+/// @param scans  in order of time; at least one
 /// @param imu    must reach over all of them
 [[nodiscard]] std::unique_ptr<Start> find_start(const OdometryConfig& config, const sensor::Rig& rig,
                                                 const std::vector<ScanPointer>& scans, const sensor::ImuBuffer& imu);

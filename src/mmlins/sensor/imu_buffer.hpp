@@ -28,7 +28,6 @@ class ImuBuffer {
   [[nodiscard]] bool empty() const { return samples_.empty(); }
   [[nodiscard]] Time oldest() const { return samples_.front().time; }
   [[nodiscard]] Time newest() const { return samples_.back().time; }
-  void clear() { samples_.clear(); }
 
  private:
   [[nodiscard]] ImuSample sample_at(Time time) const;
