@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <csignal>
 #include <filesystem>
@@ -86,6 +87,13 @@ void print_result(const RunOptions& options, const pipeline::RunResult& result) 
              result.scans.size(), seconds, pipeline::path_length(result), statistics.mean_ms, statistics.p99_ms,
              statistics.max_ms, result.wall_seconds, pipeline::peak_memory_mib());
   fmt::print("{} map points; everything lies in {}\n", result.map.num_points(), options.out);
+  const auto num_bridging = std::count_if(result.scans.begin(), result.scans.end(), [](const auto& scan) {
+    return scan.state == odometry::TrackingState::kBridging;
+  });
+  if (num_bridging > 0) {
+    log::warning("{} of {} scans were carried by the IMU alone; {}/health.csv says which and why (BRIDGING)", num_bridging,
+                 result.scans.size(), options.out);
+  }
 }
 
 int run(const RunOptions& options) {
