@@ -123,6 +123,8 @@ TEST(Simulation, MovingNoiseFreeScansLieOnTheUnevenWorldWhenPlacedByTheTruth) {
   SimulationConfig config = small();
   config.sensor.range_noise = 0.0;
   config.sensor.laser_bias = 0.0;
+  config.sensor.range_step = 0.0;
+  config.sensor.mixed_pixels = 0.0;
   Simulation simulation(config);
   double worst = 0.0;
   while (true) {

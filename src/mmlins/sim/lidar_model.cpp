@@ -23,6 +23,10 @@ constexpr Duration kPoseInterval{60'000};
 // A surface of this reflectivity, hit squarely, is always seen up to this share of the maximum range.
 constexpr double kSureReflectivity = 0.1;
 constexpr double kSureRangeShare = 0.4;
+// Steps between front and back that a sensor cannot tell apart: less is a slanted surface, from more two
+// separate echoes come.
+constexpr double kSmallestEdge = 0.1;  // [m]
+constexpr double kLargestEdge = 1.5;   // [m]
 constexpr float kFullIntensity = 255.0F;
 
 // Rotates by a small rotation vector; the term left out, |w|^3 / 6, stays below 1e-11.
@@ -44,10 +48,11 @@ Ray ray_after(const Kinematics& at, double dt, const Vector3d& p_imu_lidar, cons
 
 LidarModel::LidarModel(const LidarConfig& config, std::uint64_t seed)
     : config_(config),
+      table_(config.table()),
       seed_(seed),
       T_imu_lidar_(config.T_imu_lidar()),
       min_cos_incidence_(std::cos(config.max_incidence_deg * std::numbers::pi / 180.0)),
-      pattern_(make_pattern(config, seed)) {
+      pattern_(make_pattern(config, table_, seed)) {
   Random random(sub_seed(seed, kMostLasers));
   for (std::size_t i = 0; i < kMostLasers; ++i) laser_biases_.push_back(config.laser_bias * random.normal());
 }
@@ -96,8 +101,25 @@ std::vector<LidarModel::Return> LidarModel::shoot(const World& world, const Moti
   return returns;
 }
 
+// A beam has a width: one that is half on an edge may return a range between the front and the back.
+double LidarModel::mixed_range(const World& world, const Ray& ray, const Hit& hit, Random& random) const {
+  if (!random.chance(config_.mixed_pixels)) return hit.range;
+  const double angle = random.uniform(0.0, 2.0 * std::numbers::pi);
+  const double share = random.uniform();
+  const double spread = 0.5 * table_.beam_divergence_deg * std::numbers::pi / 180.0;
+  const Vector3d across = ray.direction.unitOrthogonal();
+  const Vector3d aside = std::cos(angle) * across + std::sin(angle) * ray.direction.cross(across);
+  Ray rim = ray;
+  rim.direction = (ray.direction + std::tan(spread) * aside).normalized();
+  const auto other = world.cast(rim, table_.farthest);
+  if (!other || other->surface == hit.surface) return hit.range;
+  const double step = other->range - hit.range;
+  if (std::abs(step) < kSmallestEdge || std::abs(step) > kLargestEdge) return hit.range;
+  return hit.range + share * step;
+}
+
 LidarModel::Return LidarModel::measure(const World& world, const Ray& ray, const Beam& beam) const {
-  const double farthest = config_.farthest();
+  const double farthest = table_.farthest;
   const auto hit = world.cast(ray, farthest);
   if (!hit) return {};
   // Every shot has random numbers of its own: no result depends on which thread does what.
@@ -108,8 +130,11 @@ LidarModel::Return LidarModel::measure(const World& world, const Ray& ray, const
   const double strength = hit->reflectivity * cos_incidence / kSureReflectivity * sure_range * sure_range;
   const bool dropped = random.chance(config_.dropout) || random.uniform() > config_.point_share;
   const bool too_weak = random.uniform() > strength;
-  const double range = hit->range + laser_biases_[beam.ring] + config_.range_noise * random.normal();
-  if (dropped || too_weak || range < config_.nearest() || range > farthest) return {};
+  double range = hit->range + laser_biases_[beam.ring] + config_.range_noise * random.normal();
+  if (dropped || too_weak) return {};
+  if (config_.mixed_pixels > 0.0) range += mixed_range(world, ray, *hit, random) - hit->range;
+  if (table_.range_step > 0.0) range = table_.range_step * std::round(range / table_.range_step);
+  if (range < table_.nearest || range > farthest) return {};
   return {(range * beam.direction).cast<float>(), static_cast<float>(hit->range),
           kFullIntensity * static_cast<float>(hit->reflectivity * cos_incidence), hit->surface};
 }

@@ -11,15 +11,15 @@
 #include "mmlins/base/config_fields.hpp"
 #include "mmlins/sensor/lidar_scan.hpp"
 #include "mmlins/sim/motion.hpp"
+#include "mmlins/sim/random.hpp"
 #include "mmlins/sim/scan_pattern.hpp"
+#include "mmlins/sim/sensor_table.hpp"
 #include "mmlins/sim/world.hpp"
 
 namespace mmlins::sim {
 
-enum class LidarModelKind { kVlp16, kHdl32e, kOs1_64, kMid360, kAvia };
-
 struct LidarConfig {
-  LidarModelKind model = LidarModelKind::kVlp16;
+  std::string model = "vlp16";
   double rate_hz = 10.0;
   int columns = 0;
   double point_share = 1.0;
@@ -27,6 +27,8 @@ struct LidarConfig {
   double min_range = 0.0;
   double max_range = 0.0;
   double range_noise = 0.012;
+  double range_step = -1.0;
+  double mixed_pixels = 0.1;
   double laser_bias = 0.004;
   double dropout = 0.03;
   double max_incidence_deg = 84.0;
@@ -36,7 +38,8 @@ struct LidarConfig {
 
   [[nodiscard]] Fields fields();
   [[nodiscard]] std::string model_name() const;
-  /// The sensor's own limits unless the config sets others [m].
+  /// The sensor's own values unless the config sets others; validate() has accepted the model.
+  [[nodiscard]] SensorTable table() const;
   [[nodiscard]] double nearest() const;
   [[nodiscard]] double farthest() const;
   [[nodiscard]] math::SE3 T_imu_lidar() const;
@@ -73,9 +76,11 @@ class LidarModel {
   };
   [[nodiscard]] std::vector<Return> shoot(const World& world, const Motion& motion,
                                           const std::vector<Beam>& beams) const;
+  [[nodiscard]] double mixed_range(const World& world, const Ray& ray, const Hit& hit, Random& random) const;
   [[nodiscard]] Return measure(const World& world, const Ray& ray, const Beam& beam) const;
 
   LidarConfig config_;
+  SensorTable table_;
   std::uint64_t seed_;
   math::SE3 T_imu_lidar_;
   double min_cos_incidence_;

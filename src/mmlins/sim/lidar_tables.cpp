@@ -1,69 +1,56 @@
 // SPDX-License-Identifier: MIT
 #include "mmlins/sim/lidar_tables.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <utility>
 
+#include "mmlins/base/check.hpp"
 #include "mmlins/sim/random.hpp"
 
 namespace mmlins::sim {
 
 namespace {
 
-std::vector<std::string> model_names() { return {"vlp16", "hdl32e", "os1_64", "mid360", "avia"}; }
+Duration from_us(double microseconds) { return from_seconds(1e-6 * microseconds); }
 
-SpinningTable vlp16_table() {
-  return {
-      {-15, 1, -13, 3, -11, 5, -9, 7, -7, 9, -5, 11, -3, 13, -1, 15}, {}, Duration{2304}, Duration{55296}};
-}
-
-SpinningTable hdl32e_table() {
-  SpinningTable table{{}, {}, Duration{1152}, Duration{46080}};
-  constexpr double kStep = 4.0 / 3.0;
-  for (int i = 0; i < 16; ++i) {
-    table.elevations_deg.push_back(-30.67 + kStep * i);
-    table.elevations_deg.push_back(-9.33 + kStep * i);
+SpinningTable spinning_table(const SensorTable& sensor) {
+  SpinningTable table;
+  for (const LaserSpec& laser : sensor.lasers) {
+    table.elevations_deg.push_back(laser.elevation_deg);
+    table.azimuths_deg.push_back(laser.azimuth_deg);
   }
+  table.lasers_at_once = static_cast<std::size_t>(sensor.lasers_at_once);
+  table.between_lasers = from_us(sensor.laser_period_us);
+  table.between_columns = from_us(sensor.column_period_us);
   return table;
 }
 
-SpinningTable os1_64_table() {
-  SpinningTable table{{}, {3.164, 1.055, -1.055, -3.164}, Duration{0}, Duration{97656}};
-  for (int i = 0; i < 64; ++i) table.elevations_deg.push_back(16.611 - 2.0 * 16.611 / 63.0 * i);
+RosetteTable rosette_table(const SensorTable& sensor) {
+  RosetteTable table{0.5 * sensor.field_of_view_deg,
+                     sensor.rosette_first_hz,
+                     sensor.rosette_second_hz,
+                     {},
+                     from_us(sensor.point_period_us)};
+  for (const LaserSpec& laser : sensor.lasers) table.line_offsets_deg.push_back(laser.elevation_deg);
   return table;
 }
 
-SpinningTable spinning_table(LidarModelKind model) {
-  if (model == LidarModelKind::kVlp16) return vlp16_table();
-  if (model == LidarModelKind::kHdl32e) return hdl32e_table();
-  return os1_64_table();
+// Of a config that validate() has accepted.
+SensorTable table_of(const std::string& model) {
+  auto table = load_sensor_table(model);
+  MMLINS_CHECK(table.ok());
+  return std::move(table).value();
 }
 
 }  // namespace
 
-RangeLimits range_limits(LidarModelKind model) {
-  switch (model) {
-    case LidarModelKind::kVlp16:
-      return {0.5, 100.0};
-    case LidarModelKind::kHdl32e:
-      return {0.5, 80.0};
-    case LidarModelKind::kOs1_64:
-      return {0.5, 100.0};
-    case LidarModelKind::kMid360:
-      return {0.2, 70.0};
-    case LidarModelKind::kAvia:
-      break;
-  }
-  return {0.5, 150.0};
-}
-
-std::unique_ptr<ScanPattern> make_pattern(const LidarConfig& config, std::uint64_t seed) {
-  if (config.model == LidarModelKind::kMid360) return make_nodding({});
-  if (config.model == LidarModelKind::kAvia) {
-    RosetteTable table;
-    table.line_offsets_deg = {-1.4, -0.84, -0.28, 0.28, 0.84, 1.4};
-    return make_rosette(table);
-  }
-  SpinningTable table = spinning_table(config.model);
+std::unique_ptr<ScanPattern> make_pattern(const LidarConfig& config, const SensorTable& sensor,
+                                          std::uint64_t seed) {
+  if (sensor.pattern == PatternKind::kNodding) return make_nodding({from_us(sensor.point_period_us)});
+  if (sensor.pattern == PatternKind::kRosette) return make_rosette(rosette_table(sensor));
+  SpinningTable table = spinning_table(sensor);
   if (config.columns > 0) {
     table.between_columns = from_seconds(1.0 / config.rate_hz / config.columns);
     // Fewer columns leave the lasers their time; more must squeeze them.
@@ -74,9 +61,17 @@ std::unique_ptr<ScanPattern> make_pattern(const LidarConfig& config, std::uint64
   return make_spinning(table, config.rate_hz * (1.0 + config.rotor_slip), random.uniform());
 }
 
-std::string LidarConfig::model_name() const { return model_names()[static_cast<std::size_t>(model)]; }
-double LidarConfig::nearest() const { return min_range > 0.0 ? min_range : range_limits(model).nearest; }
-double LidarConfig::farthest() const { return max_range > 0.0 ? max_range : range_limits(model).farthest; }
+std::string LidarConfig::model_name() const { return std::filesystem::path(model).stem().string(); }
+
+SensorTable LidarConfig::table() const {
+  SensorTable table = table_of(model);
+  if (min_range > 0.0) table.nearest = min_range;
+  if (max_range > 0.0) table.farthest = max_range;
+  if (range_step >= 0.0) table.range_step = range_step;
+  return table;
+}
+double LidarConfig::nearest() const { return table().nearest; }
+double LidarConfig::farthest() const { return table().farthest; }
 
 math::SE3 LidarConfig::T_imu_lidar() const {
   const auto& q = q_imu_lidar_xyzw;
@@ -86,7 +81,7 @@ math::SE3 LidarConfig::T_imu_lidar() const {
 
 Fields LidarConfig::fields() {
   return {
-      field("model", model, model_names(), "which LiDAR"),
+      field("model", model, "which LiDAR: the name of a built-in table, or the path of a .yaml table"),
       field("rate_hz", rate_hz, "Hz", {1.0, 50.0}, "scans per second"),
       field("columns", columns, "", {0, 8192},
             "firings of all lasers per scan of a spinning sensor; 0: its own number"),
@@ -96,6 +91,10 @@ Fields LidarConfig::fields() {
       field("min_range", min_range, "m", {0.0, 100.0}, "nearer returns are lost; 0: the sensor's own"),
       field("max_range", max_range, "m", {0.0, 500.0}, "farther returns are lost; 0: the sensor's own"),
       field("range_noise", range_noise, "m", {0.0, 1.0}, "standard deviation of one range"),
+      field("range_step", range_step, "m", {-1.0, 1.0},
+            "ranges are multiples of it; -1: the sensor's own; 0: any"),
+      field("mixed_pixels", mixed_pixels, "", {0.0, 1.0},
+            "share of the beams half on an edge that return a range between front and back"),
       field("laser_bias", laser_bias, "m", {0.0, 0.1},
             "standard deviation of the constant range errors that calibration leaves to each laser"),
       field("dropout", dropout, "", {0.0, 1.0}, "share of shots that are lost for no reason"),

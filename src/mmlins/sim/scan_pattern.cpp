@@ -55,7 +55,8 @@ class Spinning : public ScanPattern {
     for (std::int64_t column = first_tick(begin, table_.between_columns); column < last; ++column) {
       const Duration column_time = column * table_.between_columns;
       for (std::size_t laser = 0; laser < table_.elevations_deg.size(); ++laser) {
-        const Duration time = column_time + static_cast<std::int64_t>(laser) * table_.between_lasers;
+        const Duration time =
+            column_time + static_cast<std::int64_t>(laser / table_.lasers_at_once) * table_.between_lasers;
         beams.push_back({time, turned_to(azimuth(time, laser), lasers_[laser]), rings_[laser]});
       }
     }

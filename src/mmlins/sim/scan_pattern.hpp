@@ -29,8 +29,9 @@ class ScanPattern {
 struct SpinningTable {
   std::vector<double> elevations_deg;  ///< in the order of firing
   std::vector<double> azimuths_deg;    ///< offset of each laser; repeated if shorter; empty: none
-  Duration between_lasers{0};
+  Duration between_lasers{0};          ///< from one firing to the next
   Duration between_columns{0};
+  std::size_t lasers_at_once = 1;  ///< that fire together
 };
 
 /// The pattern of a MID-360: one mirror that turns and nods (formula of the MARSIM simulator).

@@ -6,14 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "mmlins/sim/named_text.hpp"
 #include "mmlins/sim/simulation.hpp"
 
 namespace mmlins::sim {
 
-struct ScenarioText {
-  std::string name;
-  std::string yaml;
-};
+using ScenarioText = NamedText;
 
 /// The built-in scenarios by name, in alphabetical order.
 [[nodiscard]] std::vector<ScenarioText> scenario_texts();
