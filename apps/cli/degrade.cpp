@@ -63,10 +63,6 @@ Result<std::vector<degrade::EventSpec>> read_events(const std::vector<std::strin
   for (const std::string& text : texts) {
     const auto event = degrade::parse_event(text);
     if (!event) return event.error();
-    if (degrade::info_of(event->kind).moves_sensor) {
-      return make_error(ErrorCode::kUnsupported,
-                        "event '{}': this moves the sensor, which only a simulation can (mmlins simulate)", text);
-    }
     if (const Status status = degrade::validate(*event, length, source); !status) return status.error();
     events.push_back(*event);
   }
@@ -76,7 +72,8 @@ Result<std::vector<degrade::EventSpec>> read_events(const std::vector<std::strin
 Result<sensor::Rig> read_rig(const DegradeCommandOptions& options) {
   sensor::Rig rig;
   if (!options.rig.empty()) {
-    if (const Status status = config::apply_yaml_file(rig.fields(), options.rig); !status) return status.error();
+    if (const Status status = config::apply_yaml_file(rig.fields(), options.rig); !status)
+      return status.error();
   }
   if (!options.lidar_topic.empty()) rig.lidar_topic = options.lidar_topic;
   return rig;
@@ -94,8 +91,9 @@ Result<Time> start_by_stamps(io::Rosbag1Reader& reader, std::size_t topic,
     if (!points) continue;
     const Duration ahead = points->stamp - (*message)->record_time;
     if (std::abs(to_seconds(ahead)) <= kSameClock) return reader.start_time();
-    log::warning("{}: the stamps of {} are {:.3f} s away from the times of recording; events go by the stamps",
-                 reader.path(), reader.topics()[topic].name, to_seconds(ahead));
+    log::warning(
+        "{}: the stamps of {} are {:.3f} s away from the times of recording; events go by the stamps",
+        reader.path(), reader.topics()[topic].name, to_seconds(ahead));
     return reader.start_time() + ahead;
   }
 }
@@ -124,7 +122,8 @@ Status copy(const io::RawMessage& message, io::Bytes bytes, io::Rosbag1RawWriter
   return bag.write_to(message.connection, message.record_time, bytes.data(), bytes.size());
 }
 
-Status write_degraded(const Job& job, const io::RawMessage& message, io::Rosbag1RawWriter& bag, Counts& counts) {
+Status write_degraded(const Job& job, const io::RawMessage& message, io::Rosbag1RawWriter& bag,
+                      Counts& counts) {
   const io::Bytes bytes(message.data, message.size);
   const auto points = job.editor->read(bytes);
   if (!points) {
@@ -163,7 +162,8 @@ Result<Counts> write_bag(Job& job, const std::string& path) {
     const Status status = raw.topic == job.lidar_topic ? write_degraded(job, raw, *bag, counts)
                                                        : copy(raw, io::Bytes(raw.data, raw.size), *bag);
     if (!status) return status.error();
-    if (degrade_interrupted) return make_error(ErrorCode::kInterrupted, "interrupted; {} was not written", path);
+    if (degrade_interrupted)
+      return make_error(ErrorCode::kInterrupted, "interrupted; {} was not written", path);
   }
   if (const Status status = bag->close(); !status) return status.error();
   return counts;
@@ -172,7 +172,8 @@ Result<Counts> write_bag(Job& job, const std::string& path) {
 int degrade_command(const DegradeCommandOptions& options) {
   std::error_code ignored;
   if (fs::equivalent(options.in, options.out, ignored)) {
-    return fail(make_error(ErrorCode::kInvalid, "{}: is the recording itself; give another name", options.out));
+    return fail(
+        make_error(ErrorCode::kInvalid, "{}: is the recording itself; give another name", options.out));
   }
   auto job = prepare(options);
   if (!job) return fail(job.error());

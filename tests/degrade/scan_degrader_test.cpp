@@ -34,7 +34,8 @@ struct Sweep {
   [[nodiscard]] SweepView view() const { return {stamp, &points, &times}; }
 };
 
-DegradedSweep degrade(const Sweep& sweep, EventKind kind, double severity = 0.0, DegradeOptions options = {}) {
+DegradedSweep degrade(const Sweep& sweep, EventKind kind, double severity = 0.0,
+                      DegradeOptions options = {}) {
   return ScanDegrader({{kind, 10.0, 5.0, severity}}, kStart, options).apply(sweep.view());
 }
 
@@ -146,7 +147,8 @@ TEST(ScanDegrader, ATornBagLeavesSomeDirectionsOpen) {
   constexpr int kMembranes = 60;
   for (int seed = 0; seed < kMembranes; ++seed) {
     const Sweep sweep(12.0, 1000);
-    const DegradedSweep left = degrade(sweep, EventKind::kTornBag, 0.6, {static_cast<std::uint64_t>(seed), 0.0});
+    const DegradedSweep left =
+        degrade(sweep, EventKind::kTornBag, 0.6, {static_cast<std::uint64_t>(seed), 0.0});
     ASSERT_EQ(left.points.size(), sweep.points.size());
     for (const Eigen::Vector3f& point : left.points) open += point.norm() > 1.6F ? 1e-3 : 0.0;
   }
@@ -198,7 +200,8 @@ TEST(ScanDegrader, VoxelsKeepOnePointEach) {
   std::set<std::array<int, 3>> before;
   std::set<std::array<int, 3>> after;
   const auto cell = [](const Eigen::Vector3f& p) {
-    return std::array<int, 3>{static_cast<int>(std::floor(p.x() / 4)), static_cast<int>(std::floor(p.y() / 4)),
+    return std::array<int, 3>{static_cast<int>(std::floor(p.x() / 4)),
+                              static_cast<int>(std::floor(p.y() / 4)),
                               static_cast<int>(std::floor(p.z() / 4))};
   };
   for (const Eigen::Vector3f& point : sweep.points) before.insert(cell(point));
@@ -217,7 +220,8 @@ TEST(ScanDegrader, ARangeCapRemovesWhatIsFarther) {
 TEST(ScanDegrader, BeamsWithoutAnEchoStayUnlessAllIsLost) {
   Sweep sweep(12.0, 100);
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  for (std::size_t i = 0; i < 100; i += 2) sweep.points[i] = Eigen::Vector3f::Constant(i % 4 == 0 ? nan : 0.0F);
+  for (std::size_t i = 0; i < 100; i += 2)
+    sweep.points[i] = Eigen::Vector3f::Constant(i % 4 == 0 ? nan : 0.0F);
   EXPECT_GE(degrade(sweep, EventKind::kThin, 1e-5).kept.size(), 50U);
   EXPECT_EQ(degrade(sweep, EventKind::kBag).kept.size(), 100U);
   EXPECT_FALSE(degrade(sweep, EventKind::kRangeCap, 100.0).changed);
@@ -226,9 +230,11 @@ TEST(ScanDegrader, BeamsWithoutAnEchoStayUnlessAllIsLost) {
 
 TEST(ScanDegrader, EventsThatOverlapActOneAfterTheOther) {
   const Sweep sweep(12.0);
-  const ScanDegrader both({{EventKind::kBag, 10.0, 5.0, 1.0}, {EventKind::kRangeCap, 11.0, 5.0, 2.0}}, kStart, {});
+  const ScanDegrader both({{EventKind::kBag, 10.0, 5.0, 1.0}, {EventKind::kRangeCap, 11.0, 5.0, 2.0}}, kStart,
+                          {});
   EXPECT_EQ(both.apply(sweep.view()).kept.size(), sweep.points.size());
-  const ScanDegrader other({{EventKind::kRangeCap, 11.0, 5.0, 1.9}, {EventKind::kBag, 10.0, 5.0, 1.0}}, kStart, {});
+  const ScanDegrader other({{EventKind::kRangeCap, 11.0, 5.0, 1.9}, {EventKind::kBag, 10.0, 5.0, 1.0}},
+                           kStart, {});
   EXPECT_TRUE(other.apply(sweep.view()).kept.empty());
 }
 

@@ -113,5 +113,102 @@ TEST(ImuModel, TurnOnBiasHasTheDeclaredDeviationOverSeeds) {
   EXPECT_NEAR(std::sqrt(gyro_square / (3 * kSeeds)) / config.gyro_turn_on_bias, 1.0, 0.04);
 }
 
+/// A body at rest and level for 100 s, as an IMU of this config measures it.
+sensor::ImuSamples at_rest(const ImuConfig& config, std::int64_t count = 4000) {
+  TrajectoryConfig still;
+  still.stand_still = 100.0;
+  const auto motion = make_motion(still, {});
+  const ImuModel imu(config, 5, from_seconds(100.0));
+  sensor::ImuSamples samples;
+  for (std::int64_t i = 0; i < count; ++i) samples.push_back(imu.sample(*motion, i));
+  return samples;
+}
+
+ImuConfig quiet() {
+  ImuConfig config;
+  config.gyro_noise_density = config.accel_noise_density = 1e-8;
+  config.gyro_bias_walk = config.accel_bias_walk = 0.0;
+  config.gyro_turn_on_bias = config.accel_turn_on_bias = 0.0;
+  return config;
+}
+
+TEST(ImuModel, AClassFillsInWhatIsLeftAtItsDefault) {
+  ImuConfig config;
+  EXPECT_EQ(config.resolved().accel_noise_density, config.accel_noise_density);
+  config.model = ImuClass::kTactical;
+  config.accel_noise_density = 7e-3;
+  EXPECT_EQ(config.resolved().gyro_noise_density, 4e-5);
+  EXPECT_EQ(config.resolved().accel_noise_density, 7e-3);
+  config.model = ImuClass::kConsumer;
+  EXPECT_GT(config.resolved().gyro_noise_density, ImuConfig{}.gyro_noise_density);
+}
+
+TEST(ImuModel, ScaleAndMisalignmentDependOnTheSensorAndNotOnTime) {
+  ImuConfig config = quiet();
+  config.scale_error = 0.01;
+  config.misalignment_deg = 0.5;
+  const sensor::ImuSamples samples = at_rest(config);
+  ImuConfig exact = quiet();
+  exact.perfect = true;
+  const Vector3d error = samples[0].accel - at_rest(exact, 1)[0].accel;
+  EXPECT_LT((samples[3999].accel - samples[0].accel).norm(), 1e-5);
+  EXPECT_GT(error.norm(), 0.01);  // two ten-thousandths of what is expected at random
+  EXPECT_LT(error.norm(), 5.0 * 0.014 * kGravity);
+}
+
+TEST(ImuModel, VibrationHasItsDeclaredStrengthAndNoMean) {
+  ImuConfig config = quiet();
+  config.vibration = 2.0;
+  const sensor::ImuSamples samples = at_rest(config, 16000);
+  ImuConfig exact = quiet();
+  exact.perfect = true;
+  const Vector3d rest = at_rest(exact, 1)[0].accel;
+  Vector3d sum = Vector3d::Zero();
+  Vector3d squares = Vector3d::Zero();
+  for (const sensor::ImuSample& sample : samples) {
+    sum += sample.accel - rest;
+    squares += (sample.accel - rest).cwiseAbs2();
+  }
+  const auto n = static_cast<double>(samples.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    // Waves near to each other in frequency beat: over 80 s that leaves a few percent.
+    EXPECT_NEAR(std::sqrt(squares[axis] / n), 2.0, 0.3);
+    EXPECT_NEAR(sum[axis] / n, 0.0, 0.02);
+  }
+}
+
+TEST(ImuModel, ReadingsStopAtTheirLimits) {
+  ImuConfig config = quiet();
+  config.accel_limit = 9.0;
+  const Vector3d accel = at_rest(config, 1)[0].accel;
+  EXPECT_LE(accel.cwiseAbs().maxCoeff(), 9.0);
+  EXPECT_GT(accel.cwiseAbs().maxCoeff(), 8.9);
+}
+
+TEST(ImuModel, StampsAreShiftedAndJitterWithoutRunningBackwards) {
+  ImuConfig config = quiet();
+  config.time_offset = -0.004;
+  config.stamp_jitter = 0.002;  // often cut off at 45 % of the period of 5 ms
+  const sensor::ImuSamples samples = at_rest(config);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const double error = to_seconds(samples[i].time.time_since_epoch()) - 0.005 * static_cast<double>(i);
+    sum += error;
+    EXPECT_LE(std::abs(error + 0.004), 0.00225 + 1e-9);
+    EXPECT_GT(samples[i].time, i == 0 ? Time(Duration(-100'000'000)) : samples[i - 1].time);
+  }
+  EXPECT_NEAR(sum / static_cast<double>(samples.size()), -0.004, 4.0 * 0.002 / std::sqrt(4000.0));
+}
+
+TEST(ImuModel, TheDeclaredShareOfSamplesIsDropped) {
+  ImuConfig config;
+  config.drop_share = 0.1;
+  const ImuModel imu(config, 5, from_seconds(10.0));
+  int dropped = 0;
+  for (std::int64_t i = 0; i < 10'000; ++i) dropped += imu.is_dropped(i) ? 1 : 0;
+  EXPECT_NEAR(dropped, 1000, 120);  // four deviations
+  EXPECT_FALSE(ImuModel(ImuConfig{}, 5, from_seconds(10.0)).is_dropped(3));
+}
+
 }  // namespace
 }  // namespace mmlins::sim

@@ -19,12 +19,12 @@ using math::sub_seed;
 enum RandomPart : std::uint64_t { kPacket, kPoint, kChoice, kSectorPart, kHoles, kFlutter };
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
-constexpr double kTornShare = 0.25;          // of the directions that a torn membrane leaves open
-constexpr double kMembraneNoise = 0.01;      // [m]
-constexpr Duration kPacketTime{1'000'000};   // what a network packet of a LiDAR spans
-constexpr double kNearestScatter = 1.0;      // smoke seems to begin here [m]
-constexpr double kFarthestScatter = 8.0;     // [m]
-constexpr double kScatterEchoShare = 0.5;    // of the shots that smoke swallows: seen as an echo of the smoke
+constexpr double kTornShare = 0.25;         // of the directions that a torn membrane leaves open
+constexpr double kMembraneNoise = 0.01;     // [m]
+constexpr Duration kPacketTime{1'000'000};  // what a network packet of a LiDAR spans
+constexpr double kNearestScatter = 1.0;     // smoke seems to begin here [m]
+constexpr double kFarthestScatter = 8.0;    // [m]
+constexpr double kScatterEchoShare = 0.5;   // of the shots that smoke swallows: seen as an echo of the smoke
 
 Random random_of(const EffectContext& context, const EffectPoint& point) {
   return Random(sub_seed(sub_seed(context.sweep_seed, kPoint), point.index));
@@ -66,7 +66,8 @@ std::vector<EffectPoint> bag(const std::vector<EffectPoint>& points, const Effec
     }
     const Eigen::Vector3d direction = point.position.cast<double>().normalized();
     const double seconds = to_seconds(point.since_begin);
-    const bool open = context.event.kind == EventKind::kTornBag && in_a_hole(direction, seconds, context.event_seed);
+    const bool open =
+        context.event.kind == EventKind::kTornBag && in_a_hole(direction, seconds, context.event_seed);
     Random random = random_of(context, point);
     const double membrane =
         membrane_range(direction, seconds, context.event.effective_severity(), context.event_seed) +
@@ -123,7 +124,8 @@ std::vector<EffectPoint> thin_to(const std::vector<EffectPoint>& points, const E
     if (point.has_echo) lots.emplace_back(random_of(context, point).bits(), point.index);
   }
   // Where the event covers only a part of the sweep, it leaves that part of the number.
-  const double share = static_cast<double>(lots.size()) / static_cast<double>(std::max<std::size_t>(1, context.sweep_size));
+  const double share =
+      static_cast<double>(lots.size()) / static_cast<double>(std::max<std::size_t>(1, context.sweep_size));
   const auto number = static_cast<std::size_t>(std::llround(share * context.event.effective_severity()));
   std::sort(lots.begin(), lots.end());
   lots.resize(std::min(number, lots.size()));
@@ -137,7 +139,8 @@ std::vector<EffectPoint> voxel(const std::vector<EffectPoint>& points, const Eff
   const double edge = context.event.effective_severity();
   return filtered(points, [&](const EffectPoint& point) {
     const Eigen::Vector3d cell = (point.position.cast<double>() / edge).array().floor();
-    return taken.insert({static_cast<int>(cell.x()), static_cast<int>(cell.y()), static_cast<int>(cell.z())}).second;
+    return taken.insert({static_cast<int>(cell.x()), static_cast<int>(cell.y()), static_cast<int>(cell.z())})
+        .second;
   });
 }
 
@@ -154,18 +157,18 @@ std::vector<EffectPoint> packet_loss(const std::vector<EffectPoint>& points, con
 }  // namespace
 
 double membrane_range(const Eigen::Vector3d& direction, double seconds, double distance, std::uint64_t seed) {
-  constexpr double kDepth = 0.5;      // of the folds, as a share of the distance
-  constexpr double kNearest = 0.15;   // [m]
-  constexpr double kFarthest = 1.5;   // [m]
+  constexpr double kDepth = 0.5;     // of the folds, as a share of the distance
+  constexpr double kNearest = 0.15;  // [m]
+  constexpr double kFarthest = 1.5;  // [m]
   constexpr double kFlutterHz = 1.5;
-  return std::clamp(distance * (1.0 + kDepth * flutter(direction, seconds, seed, kFlutterHz)), kNearest, kFarthest);
+  return std::clamp(distance * (1.0 + kDepth * flutter(direction, seconds, seed, kFlutterHz)), kNearest,
+                    kFarthest);
 }
 
 std::vector<EffectPoint> apply_effect(const std::vector<EffectPoint>& points, const EffectContext& context) {
   const double severity = context.event.effective_severity();
   switch (context.event.kind) {
     case EventKind::kBlackout:
-    case EventKind::kKidnap:  // whoever carries it off covers it
       return {};
     case EventKind::kBag:
     case EventKind::kTornBag:

@@ -13,7 +13,7 @@ namespace mmlins::degrade {
 
 /// A point on its way through the events.
 struct EffectPoint {
-  std::uint32_t index = 0;  ///< in the sweep
+  std::uint32_t index = 0;                             ///< in the sweep
   Eigen::Vector3f position = Eigen::Vector3f::Zero();  ///< [m]
   bool has_echo = true;
   Duration since_begin{0};  ///< of the event
@@ -22,9 +22,9 @@ struct EffectPoint {
 /// What an effect may depend on besides the points.
 struct EffectContext {
   EventSpec event;
-  std::uint64_t event_seed = 0;   ///< the same for all sweeps
-  std::uint64_t sweep_seed = 0;   ///< differs from sweep to sweep
-  std::size_t sweep_size = 0;     ///< points with an echo in the whole sweep, in and out of the event
+  std::uint64_t event_seed = 0;  ///< the same for all sweeps
+  std::uint64_t sweep_seed = 0;  ///< differs from sweep to sweep
+  std::size_t sweep_size = 0;    ///< points with an echo in the whole sweep, in and out of the event
 };
 
 /// The points that are left, in order, where they are now.

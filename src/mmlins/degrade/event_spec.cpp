@@ -57,7 +57,6 @@ const std::vector<KindInfo>& event_kinds() {
       {EventKind::kVoxel, "voxel", "edge of the voxels", "m", 2.0, {0.01, 100.0}},
       {EventKind::kRangeCap, "range_cap", "farthest range", "m", 5.0, {0.1, 1000.0}},
       {EventKind::kPacketLoss, "packet_loss", "share of the packets that is lost", "", 1.0, {0.01, 1.0}},
-      {EventKind::kKidnap, "kidnap", "way that the sensor is carried off", "m", 10.0, {0.5, 1000.0}, true},
   };
   return kinds;
 }
@@ -96,8 +95,8 @@ Result<EventSpec> parse_event(const std::string& text) {
   }
   event.kind = found->kind;
   if (parts.size() < 3 || parts.size() > 4) {
-    return make_error(ErrorCode::kInvalid, "event '{}': write it as kind:start:duration[:severity], in seconds",
-                      text);
+    return make_error(ErrorCode::kInvalid,
+                      "event '{}': write it as kind:start:duration[:severity], in seconds", text);
   }
   const auto start = number_from(parts[1], "start", text);
   if (!start) return start.error();
@@ -143,8 +142,9 @@ Status validate(const EventSpec& event, Duration length, const std::string& sour
 std::string events_csv(const std::vector<EventSpec>& events, Time recording_start) {
   std::string csv = "kind,start,end,severity\n";
   for (const EventSpec& event : events) {
-    csv += fmt::format("{},{},{},{}\n", info_of(event.kind).word, seconds_text(recording_start + event.begin()),
-                       seconds_text(recording_start + event.end()), event.effective_severity());
+    csv +=
+        fmt::format("{},{},{},{}\n", info_of(event.kind).word, seconds_text(recording_start + event.begin()),
+                    seconds_text(recording_start + event.end()), event.effective_severity());
   }
   return csv;
 }

@@ -22,8 +22,7 @@ enum class EventKind {
   kThinTo,
   kVoxel,
   kRangeCap,
-  kPacketLoss,
-  kKidnap
+  kPacketLoss
 };
 
 /// What the severity of a kind means, its usual value and the accepted ones.
@@ -34,7 +33,6 @@ struct KindInfo {
   std::string unit;
   double usual = 1.0;
   FieldRange range;
-  bool moves_sensor = false;  ///< changes the motion too, which only a simulator can do
 };
 
 /// All kinds in the order of the enum.

@@ -16,7 +16,7 @@ namespace mmlins::degrade {
 
 /// One sweep as the events see it. Points that are not finite or at the origin are beams without an echo.
 struct SweepView {
-  Time stamp;                                           ///< seeds what is random in this sweep
+  Time stamp;                                            ///< seeds what is random in this sweep
   const std::vector<Eigen::Vector3f>* points = nullptr;  ///< in the LiDAR frame [m]
   const std::vector<Time>* times = nullptr;              ///< of each point
 };
