@@ -57,7 +57,6 @@ Fields SimulationConfig::fields() {
 }
 
 Status validate(const SimulationConfig& config, const std::string& source) {
-  if (const auto table = load_sensor_table(config.sensor.model); !table) return table.error();
   sensor::Rig rig;
   rig.p_imu_lidar = config.sensor.p_imu_lidar;
   rig.q_imu_lidar_xyzw = config.sensor.q_imu_lidar_xyzw;
@@ -97,8 +96,11 @@ Result<sensor::Item> Simulation::next() {
     const Duration scan_recorded = scan_end + from_seconds(config_.sensor.latency);
     const Duration imu_time = imu_.sample_time(next_imu_);
     if (imu_time <= std::min(length, scan_recorded)) {
-      sensor::ImuSample sample = imu_.sample(*motion_, next_imu_++);
-      sample.time = record_time_ = kStart + imu_time;
+      const std::int64_t index = next_imu_++;
+      if (imu_.is_dropped(index)) continue;
+      sensor::ImuSample sample = imu_.sample(*motion_, index);
+      sample.time = kStart + sample.time.time_since_epoch();
+      record_time_ = kStart + imu_time;
       return sensor::Item(sample);
     }
     if (scan_recorded > length) return sensor::Item(sensor::EndOfData{});
@@ -180,11 +182,12 @@ sensor::Rig Simulation::rig() const {
   rig.imu_topic = "/imu/data";
   rig.p_imu_lidar = config_.sensor.p_imu_lidar;
   rig.q_imu_lidar_xyzw = config_.sensor.q_imu_lidar_xyzw;
-  rig.imu_rate_hz = config_.imu.rate_hz;
-  rig.gyro_noise_density = config_.imu.gyro_noise_density;
-  rig.accel_noise_density = config_.imu.accel_noise_density;
-  rig.gyro_bias_walk = config_.imu.gyro_bias_walk;
-  rig.accel_bias_walk = config_.imu.accel_bias_walk;
+  const ImuConfig imu = config_.imu.resolved();
+  rig.imu_rate_hz = imu.rate_hz;
+  rig.gyro_noise_density = imu.gyro_noise_density;
+  rig.accel_noise_density = imu.accel_noise_density;
+  rig.gyro_bias_walk = imu.gyro_bias_walk;
+  rig.accel_bias_walk = imu.accel_bias_walk;
   rig.min_range = config_.sensor.nearest();
   rig.max_range = config_.sensor.farthest();
   rig.range_noise = std::max(1e-3, config_.sensor.range_noise);
