@@ -57,6 +57,7 @@ Fields SimulationConfig::fields() {
 }
 
 Status validate(const SimulationConfig& config, const std::string& source) {
+  if (const auto table = load_sensor_table(config.sensor.model); !table) return table.error();
   sensor::Rig rig;
   rig.p_imu_lidar = config.sensor.p_imu_lidar;
   rig.q_imu_lidar_xyzw = config.sensor.q_imu_lidar_xyzw;
