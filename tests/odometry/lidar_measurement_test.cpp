@@ -40,7 +40,12 @@ class RoomMap final : public spatial::LocalMap {
       const double distance = side * point(axis) - kHalfRoom(axis);
       if (std::abs(distance) > gate || (best.found && std::abs(distance) >= std::abs(best.distance)))
         continue;
-      best = {true, wall, side * Vector3d::Unit(axis), distance, surface_variance, plane_variance};
+      best.found = true;
+      best.plane_id = wall;
+      best.normal = side * Vector3d::Unit(axis);
+      best.distance = distance;
+      best.surface_variance = surface_variance;
+      best.plane_variance = plane_variance;
     }
     return best;
   }

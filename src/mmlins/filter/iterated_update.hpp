@@ -24,8 +24,8 @@ struct PoseInformation {
 using MeasurementModel = std::function<PoseInformation(const imu::NavState& state, const imu::ErrorMatrix& P, int iteration)>;
 
 struct UpdateLimits {
-  int max_iterations = 5;
-  int min_residuals = 30;
+  int max_iterations;
+  int min_residuals;
   double rotation_tolerance = 3e-4;  ///< [rad]
   double position_tolerance = 1e-3;  ///< [m]
 };

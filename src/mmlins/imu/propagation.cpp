@@ -6,13 +6,10 @@
 #include "mmlins/base/check.hpp"
 
 namespace mmlins::imu {
-namespace {
 
 ImuStep step_between(const sensor::ImuSample& a, const sensor::ImuSample& b) {
   return {to_seconds(b.time - a.time), 0.5 * (a.gyro + b.gyro), 0.5 * (a.accel + b.accel)};
 }
-
-}  // namespace
 
 NavState integrate(const NavState& state, const ImuStep& step) {
   const double dt = step.dt;

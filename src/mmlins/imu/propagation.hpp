@@ -30,6 +30,9 @@ struct ImuStep {
   Vector3d accel = Vector3d::Zero();
 };
 
+/// The step from one sample to the next, with the mean of their readings.
+[[nodiscard]] ImuStep step_between(const sensor::ImuSample& a, const sensor::ImuSample& b);
+
 /// The state after one step, by the midpoint rule. Eqs. (4)-(6).
 [[nodiscard]] NavState integrate(const NavState& state, const ImuStep& step);
 /// Derivative of the error after the step with respect to the error before it. Eq. (7).

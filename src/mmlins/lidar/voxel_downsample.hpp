@@ -11,8 +11,8 @@ namespace mmlins::lidar {
 [[nodiscard]] Cloud voxel_downsample(const Cloud& cloud, double leaf);
 
 struct LeafLimits {
-  double min_leaf = 0.1;  ///< [m]
-  double max_leaf = 1.0;  ///< [m], not below min_leaf
+  double min_leaf;  ///< [m]
+  double max_leaf;  ///< [m], not below min_leaf
 };
 
 /// Leaf that brings about `target` points, given that `leaf` brought `count`. The number of cells that

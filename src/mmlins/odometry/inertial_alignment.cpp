@@ -17,9 +17,7 @@ std::vector<math::Vector3d> force_integrals(const sensor::ImuSamples& samples, c
   std::vector<math::Vector3d> positions;
   std::size_t pose = 0;
   for (std::size_t i = 1; i < samples.size() && pose < T_odom_imu.size(); ++i) {
-    const imu::ImuStep step{to_seconds(samples[i].time - samples[i - 1].time),
-                            0.5 * (samples[i - 1].gyro + samples[i].gyro),
-                            0.5 * (samples[i - 1].accel + samples[i].accel)};
+    const imu::ImuStep step = imu::step_between(samples[i - 1], samples[i]);
     for (; pose < T_odom_imu.size() && T_odom_imu[pose].time <= samples[i].time; ++pose) {
       const imu::ImuStep part{to_seconds(T_odom_imu[pose].time - samples[i - 1].time), step.gyro, step.accel};
       positions.push_back(imu::integrate(state, part).p_odom);

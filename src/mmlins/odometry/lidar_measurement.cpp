@@ -53,10 +53,11 @@ void LidarMeasurement::count_sharers() {
   std::unordered_map<std::uint32_t, int> count;
   count.reserve(matches_.size());
   for (const auto& match : matches_) {
-    if (match.found) ++count[match.plane_id];
+    if (match.found && match.plane_id != spatial::kUnsharedPlane) ++count[match.plane_id];
   }
   for (std::size_t i = 0; i < matches_.size(); ++i) {
-    if (matches_[i].found) sharers_[i] = count[matches_[i].plane_id];
+    const bool shared = matches_[i].found && matches_[i].plane_id != spatial::kUnsharedPlane;
+    sharers_[i] = shared ? count[matches_[i].plane_id] : 1;
   }
 }
 
@@ -102,6 +103,31 @@ filter::PoseInformation LidarMeasurement::linearise(const imu::NavState& state, 
   });
   residual_rms_ = std::sqrt(sum.squared_residuals / std::max(1, sum.information.num_residuals));
   return sum.information;
+}
+
+degeneracy::ScanInformation LidarMeasurement::scan_information(const imu::NavState& state) const {
+  const math::Matrix3d R_imu_odom = state.R_odom_imu.transpose();
+  return parallel::ordered_sum(matches_.size(), kGrain, degeneracy::ScanInformation{}, [&](std::size_t begin, std::size_t end) {
+    degeneracy::ScanInformation part;
+    for (std::size_t i = begin; i < end; ++i) {
+      const spatial::PlaneMatch& match = matches_[i];
+      if (!match.found) continue;
+      const double weight = 1.0 / (match.surface_variance + sharers_[i] * match.plane_variance);
+      const Eigen::Vector3d q_imu = keypoints_imu_[i].cast<double>();
+      const auto row = [&](const Eigen::Vector3d& direction) {
+        math::Vector6d J;
+        J << q_imu.cross(R_imu_odom * direction), direction;
+        return J;
+      };
+      const math::Vector6d along_normal = row(match.normal);
+      const math::Vector6d along_widest = row(match.widest);
+      const math::Vector6d along_middle = row(match.normal.cross(match.widest));
+      part.H.noalias() += weight * along_normal * along_normal.transpose();
+      part.spurious.noalias() += weight * match.tilt_variance_widest * along_widest * along_widest.transpose();
+      part.spurious.noalias() += weight * match.tilt_variance_middle * along_middle * along_middle.transpose();
+    }
+    return part;
+  });
 }
 
 }  // namespace mmlins::odometry

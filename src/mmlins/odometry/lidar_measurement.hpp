@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "mmlins/degeneracy/observability.hpp"
 #include "mmlins/filter/iterated_update.hpp"
 #include "mmlins/odometry/odometry_config.hpp"
 #include "mmlins/spatial/local_map.hpp"
@@ -26,6 +27,10 @@ class LidarMeasurement {
 
   /// Matches every keypoint from `state` and linearises. Eqs. (15)-(19).
   [[nodiscard]] filter::PoseInformation linearise(const imu::NavState& state, const imu::ErrorMatrix& P, int iteration);
+
+  /// What the matches of the last linearisation say about the pose at `state`, before any robust weight: an
+  /// outlier takes nothing from the geometry. docs/math/degeneracy.md, Eqs. (1), (5).
+  [[nodiscard]] degeneracy::ScanInformation scan_information(const imu::NavState& state) const;
 
   /// Root mean square of the residuals at the last linearisation [m].
   [[nodiscard]] double residual_rms() const { return residual_rms_; }

@@ -70,6 +70,7 @@ Fields OdometryConfig::fields() {
       group("matching", matching, "matching of a scan against the map"),
       group("map", map, "the local map that scans are matched against"),
       group("start", start, "the first seconds"),
+      group("observability", observability, "when a direction counts as weak"),
   };
 }
 

@@ -3,6 +3,7 @@
 // All parameters of the odometry, and their only defaults.
 
 #include "mmlins/base/config_fields.hpp"
+#include "mmlins/degeneracy/observability.hpp"
 #include "mmlins/spatial/knn_map.hpp"
 #include "mmlins/spatial/plane_map.hpp"
 
@@ -70,6 +71,7 @@ struct OdometryConfig {
   MatchingConfig matching;
   LocalMapConfig map;
   StartConfig start;
+  degeneracy::ObservabilityConfig observability;
 
   [[nodiscard]] Fields fields();
 };

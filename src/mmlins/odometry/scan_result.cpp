@@ -7,6 +7,7 @@ std::string_view to_string(TrackingState state) {
   switch (state) {
     case TrackingState::kInitializing: return "INITIALIZING";
     case TrackingState::kTracking: return "TRACKING";
+    case TrackingState::kDegraded: return "DEGRADED";
     case TrackingState::kBridging: return "BRIDGING";
   }
   return "";
@@ -17,6 +18,7 @@ std::string_view to_string(Cause cause) {
     case Cause::kNone: return "";
     case Cause::kNoPoints: return "no points";
     case Cause::kTooFewMatches: return "too few matches";
+    case Cause::kWeakDirections: return "weak directions";
     case Cause::kImuGap: return "IMU gap";
   }
   return "";

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string_view>
 
+#include "mmlins/degeneracy/observability.hpp"
 #include "mmlins/imu/propagation.hpp"
 #include "mmlins/lidar/deskew.hpp"
 #include "mmlins/sensor/lidar_scan.hpp"
@@ -13,7 +14,8 @@ namespace mmlins::odometry {
 
 enum class TrackingState {
   kInitializing,  ///< part of the window from which the start was found
-  kTracking,      ///< matched against the map
+  kTracking,      ///< matched against the map, in all six directions
+  kDegraded,      ///< matched, but the scan leaves directions to the IMU
   kBridging,      ///< not matched: the IMU alone carried the pose here
 };
 
@@ -21,6 +23,7 @@ enum class Cause {
   kNone,
   kNoPoints,        ///< the scan is empty within the range gate
   kTooFewMatches,   ///< there are points, but the map does not explain them
+  kWeakDirections,  ///< the geometry does not determine all six directions; see observability
   kImuGap,          ///< matched, but the IMU was silent for part of the way
 };
 
@@ -33,9 +36,10 @@ struct StageTimes {
   double deskew = 0.0;
   double downsample = 0.0;
   double update = 0.0;
+  double health = 0.0;
   double insert = 0.0;
 
-  [[nodiscard]] double total() const { return propagate + deskew + downsample + update + insert; }
+  [[nodiscard]] double total() const { return propagate + deskew + downsample + update + health + insert; }
 };
 
 struct ScanResult {
@@ -50,6 +54,7 @@ struct ScanResult {
   double residual_rms = 0.0;             ///< of the matches, point to plane [m]
   std::shared_ptr<const sensor::LidarScan> scan;
   std::shared_ptr<const lidar::Cloud> cloud_imu;  ///< straightened scan in the IMU frame at `time`
+  degeneracy::Observability observability;  ///< of the matches; all zero without an update
   StageTimes times;
 };
 

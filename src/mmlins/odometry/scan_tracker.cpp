@@ -24,6 +24,25 @@ imu::ImuNoise imu_noise(const ImuModelConfig& config, const sensor::Rig& rig) {
           config.bias_walk_factor * rig.gyro_bias_walk, config.bias_walk_factor * rig.accel_bias_walk};
 }
 
+struct Evidence {
+  bool trusted = false;  ///< matched, or the first scan of the map
+  bool imu_gap = false;
+};
+
+/// State and cause from what is known of the scan.
+void judge(ScanResult& result, const Evidence& evidence) {
+  if (!evidence.trusted) {
+    result.state = TrackingState::kBridging;
+    result.cause = result.num_points == 0 ? Cause::kNoPoints : Cause::kTooFewMatches;
+  } else if (result.observability.num_weak() > 0) {
+    result.state = TrackingState::kDegraded;
+    result.cause = Cause::kWeakDirections;
+  } else {
+    result.state = TrackingState::kTracking;
+    result.cause = evidence.imu_gap ? Cause::kImuGap : Cause::kNone;
+  }
+}
+
 }  // namespace
 
 ScanTracker::ScanTracker(const OdometryConfig& config, const sensor::Rig& rig, const imu::Estimate& start)
@@ -41,18 +60,12 @@ ScanResult ScanTracker::track(std::shared_ptr<const sensor::LidarScan> scan, con
   Stopwatch stopwatch;
 
   // 1. Where did the IMU say we went while the LiDAR was sweeping?
-  const sensor::ImuSamples samples = imu.covering(estimate_.state.time, scan->end_time);
-  MMLINS_CHECK(!samples.empty());
-  imu::Propagation motion = imu::propagate(estimate_, samples, noise_);
-  const Duration silence = imu.longest_gap(estimate_.state.time, scan->end_time);
-  const bool gap = to_seconds(silence) > config_.imu.max_gap;
-  // A silence longer than this scan's step was doubted before: it counts only as far as it is new.
-  if (gap) motion.estimate.P += imu::doubt_after_gap(to_seconds(std::min(silence, scan->end_time - estimate_.state.time)));
+  const Motion motion = propagate_to(scan->end_time, imu);
   result.times.propagate = stopwatch.lap_ms();
 
   // 2. Straighten the scan with that motion: every point as seen from the IMU at the end of the scan.
   auto cloud_imu = std::make_shared<const lidar::Cloud>(
-      lidar::deskew(*scan, motion.T_odom_imu, rig_.T_imu_lidar(), {rig_.min_range, rig_.max_range}));
+      lidar::deskew(*scan, motion.propagation.T_odom_imu, rig_.T_imu_lidar(), {rig_.min_range, rig_.max_range}));
   result.times.deskew = stopwatch.lap_ms();
 
   // 3. Thin it: finely for the map, more coarsely for matching.
@@ -67,31 +80,46 @@ ScanResult ScanTracker::track(std::shared_ptr<const sensor::LidarScan> scan, con
                                {rig_.bearing_noise_deg * kRadiansPerDegree, rig_.T_imu_lidar().t});
   const bool first = num_insertions_ == 0 && cloud_imu->size() > 0;
   filter::UpdateReport update;
-  update.estimate = motion.estimate;
+  update.estimate = motion.propagation.estimate;
   if (!first) {
     update = filter::iterated_update(
-        motion.estimate,
+        motion.propagation.estimate,
         [&](const imu::NavState& state, const imu::ErrorMatrix& P, int i) { return measurement.linearise(state, P, i); },
         {.max_iterations = config_.matching.max_iterations, .min_residuals = config_.matching.min_matches});
   }
   result.estimate = estimate_ = update.estimate;
   result.times.update = stopwatch.lap_ms();
 
-  // 5. Grow the map with what was placed. A pose that nothing confirms never writes geometry.
+  // 5. Say how well that went.
   const bool matched = update.status != filter::UpdateStatus::kTooFewResiduals;
-  if ((matched || first) && insertion_is_due()) insert_into_map(map_points);
-  result.times.insert = stopwatch.lap_ms();
-
-  result.state = matched || first ? TrackingState::kTracking : TrackingState::kBridging;
-  if (!matched && !first) result.cause = cloud_imu->size() == 0 ? Cause::kNoPoints : Cause::kTooFewMatches;
-  if (result.cause == Cause::kNone && gap) result.cause = Cause::kImuGap;
+  if (matched) {
+    result.observability =
+        degeneracy::analyse_observability(measurement.scan_information(estimate_.state), config_.observability);
+  }
   result.num_points = static_cast<int>(cloud_imu->size());
   result.num_keypoints = static_cast<int>(keypoints.size());
   result.num_matches = update.information.num_residuals;
   result.iterations = update.iterations;
   result.residual_rms = measurement.residual_rms();
+  judge(result, {.trusted = matched || first, .imu_gap = motion.has_gap});
+  result.times.health = stopwatch.lap_ms();
+
+  // 6. Grow the map with what was placed. A pose that nothing confirms never writes geometry.
+  if ((matched || first) && insertion_is_due()) insert_into_map(map_points);
+  result.times.insert = stopwatch.lap_ms();
   result.cloud_imu = std::move(cloud_imu);
   return result;
+}
+
+ScanTracker::Motion ScanTracker::propagate_to(Time time, const sensor::ImuBuffer& imu) const {
+  const Time now = estimate_.state.time;
+  const sensor::ImuSamples samples = imu.covering(now, time);
+  MMLINS_CHECK(!samples.empty());
+  const Duration silence = imu.longest_gap(now, time);
+  Motion motion{imu::propagate(estimate_, samples, noise_), to_seconds(silence) > config_.imu.max_gap};
+  // A silence longer than this step was doubted before: it counts only as far as it is new.
+  if (motion.has_gap) motion.propagation.estimate.P += imu::doubt_after_gap(to_seconds(std::min(silence, time - now)));
+  return motion;
 }
 
 bool ScanTracker::insertion_is_due() const {

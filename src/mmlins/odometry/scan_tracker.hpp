@@ -26,6 +26,11 @@ class ScanTracker {
   [[nodiscard]] std::size_t num_map_cells() const { return map_->num_cells(); }
 
  private:
+  struct Motion {
+    imu::Propagation propagation;
+    bool has_gap = false;  ///< the IMU was silent for longer than it may be
+  };
+  [[nodiscard]] Motion propagate_to(Time time, const sensor::ImuBuffer& imu) const;
   [[nodiscard]] bool insertion_is_due() const;
   void insert_into_map(const lidar::Cloud& cloud_imu);
 

@@ -109,7 +109,7 @@ Start run_window(const OdometryConfig& config, const sensor::Rig& rig, const std
   start.tracker = std::make_unique<ScanTracker>(config, rig, prior);
   for (const ScanPointer& scan : scans) {
     start.results.push_back(start.tracker->track(scan, imu));
-    if (start.results.back().state == TrackingState::kTracking) start.results.back().state = TrackingState::kInitializing;
+    if (start.results.back().state != TrackingState::kBridging) start.results.back().state = TrackingState::kInitializing;
   }
   return start;
 }

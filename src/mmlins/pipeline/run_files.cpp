@@ -26,12 +26,13 @@ struct Stage {
   const char* name;
   double (*of)(const ScanRecord&);
 };
-constexpr std::array<Stage, 7> kStages{{
+constexpr std::array<Stage, 8> kStages{{
     {"read", [](const ScanRecord& r) { return r.read_ms; }},
     {"propagate", [](const ScanRecord& r) { return r.times.propagate; }},
     {"deskew", [](const ScanRecord& r) { return r.times.deskew; }},
     {"downsample", [](const ScanRecord& r) { return r.times.downsample; }},
     {"update", [](const ScanRecord& r) { return r.times.update; }},
+    {"health", [](const ScanRecord& r) { return r.times.health; }},
     {"insert", [](const ScanRecord& r) { return r.times.insert; }},
     {"total", [](const ScanRecord& r) { return r.total_ms(); }},
 }};
@@ -40,6 +41,9 @@ std::string health_csv(const RunResult& result) {
   std::string text =
       "time,state,cause,points,keypoints,matches,iterations,residual_rms_m,"
       "std_x_m,std_y_m,std_z_m,std_roll_rad,std_pitch_rad,std_yaw_rad";
+  for (const char* block : {"t", "r"}) {
+    for (int i = 1; i <= 3; ++i) text += fmt::format(",{0}{1}_std,{0}{1}_noise_share,{0}{1}_x,{0}{1}_y,{0}{1}_z", block, i);
+  }
   for (const Stage& stage : kStages) text += fmt::format(",{}_ms", stage.name);
   text += '\n';
   for (const ScanRecord& r : result.scans) {
@@ -48,6 +52,11 @@ std::string health_csv(const RunResult& result) {
                         to_string(r.cause), r.num_points, r.num_keypoints, r.num_matches, r.iterations, r.residual_rms);
     for (int i = 0; i < 3; ++i) text += fmt::format(",{:.6g}", r.position_std(i));
     for (int i = 0; i < 3; ++i) text += fmt::format(",{:.6g}", r.rotation_std(i));
+    for (const auto* directions : {&r.observability.translation, &r.observability.rotation}) {
+      for (const degeneracy::Direction& d : *directions) {
+        text += fmt::format(",{:.4g},{:.3f},{:.3f},{:.3f},{:.3f}", d.std, d.noise_share, d.axis.x(), d.axis.y(), d.axis.z());
+      }
+    }
     for (const Stage& stage : kStages) text += fmt::format(",{:.3f}", stage.of(r));
     text += '\n';
   }
@@ -68,7 +77,8 @@ ordered_json stages_json(const RunResult& result) {
 ordered_json states_json(const RunResult& result) {
   ordered_json states;
   using odometry::TrackingState;
-  for (const auto state : {TrackingState::kInitializing, TrackingState::kTracking, TrackingState::kBridging}) {
+  for (const auto state : {TrackingState::kInitializing, TrackingState::kTracking, TrackingState::kDegraded,
+                           TrackingState::kBridging}) {
     states[std::string(to_string(state))] =
         std::count_if(result.scans.begin(), result.scans.end(), [&](const ScanRecord& r) { return r.state == state; });
   }

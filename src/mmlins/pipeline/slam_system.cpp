@@ -22,6 +22,7 @@ ScanRecord to_record(const odometry::ScanResult& result, double read_ms) {
   record.residual_rms = result.residual_rms;
   record.position_std = result.estimate.P.diagonal().segment<3>(imu::kPosition).cwiseSqrt();
   record.rotation_std = result.estimate.P.diagonal().segment<3>(imu::kRotation).cwiseSqrt();
+  record.observability = result.observability;
   record.read_ms = read_ms;
   record.times = result.times;
   return record;

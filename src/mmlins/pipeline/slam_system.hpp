@@ -28,6 +28,7 @@ struct ScanRecord {
   double residual_rms = 0.0;                                  ///< [m]
   math::Vector3d position_std = math::Vector3d::Zero();       ///< along the axes of odom [m]
   math::Vector3d rotation_std = math::Vector3d::Zero();       ///< about the axes of the IMU [rad]
+  degeneracy::Observability observability;
   double read_ms = 0.0;                                       ///< reading and decoding since the scan before
   odometry::StageTimes times;
 

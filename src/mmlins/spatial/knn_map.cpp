@@ -68,9 +68,11 @@ PlaneMatch KnnMap::match(const Eigen::Vector3d& point, double gate) const {
   }
   match.distance = match.normal.dot(point - mean);
   match.found = std::abs(match.distance) <= gate;
-  match.plane_id = 0;
   match.surface_variance = std::max(range_variance_, solver.eigenvalues()(0));
   match.plane_variance = match.surface_variance / kNeighbours;
+  match.widest = solver.eigenvectors().col(2);
+  match.tilt_variance_middle = match.plane_variance / std::max(solver.eigenvalues()(1), 1e-9);
+  match.tilt_variance_widest = match.plane_variance / std::max(solver.eigenvalues()(2), 1e-9);
   return match;
 }
 

@@ -93,7 +93,8 @@ PlaneMatch PlaneMap::match_cell(const Cell& cell, const Eigen::Vector3d& point, 
   const Eigen::Vector3d normal = cell.normal.cast<double>();
   const double distance = normal.dot(from_mean);
   if (std::abs(distance) > gate) return match;
-  const double along_middle = cell.middle.cast<double>().dot(from_mean);
+  const Eigen::Vector3d middle = cell.middle.cast<double>();
+  const double along_middle = middle.dot(from_mean);
   const double along_widest2 = std::max(0.0, from_mean.squaredNorm() - distance * distance - along_middle * along_middle);
   const double lever = 1.0 + along_middle * along_middle / static_cast<double>(cell.spread(1)) +
                        along_widest2 / static_cast<double>(cell.spread(2));
@@ -103,6 +104,10 @@ PlaneMatch PlaneMap::match_cell(const Cell& cell, const Eigen::Vector3d& point, 
   match.surface_variance = std::max(static_cast<double>(cell.spread(0)), range_variance_);
   match.plane_variance =
       lever * (match.surface_variance / cell.num_points_at_fit + config_.offset_noise * config_.offset_noise);
+  const double mean_variance = match.surface_variance / cell.num_points_at_fit;
+  match.widest = middle.cross(normal);
+  match.tilt_variance_middle = mean_variance / static_cast<double>(cell.spread(1));
+  match.tilt_variance_widest = mean_variance / static_cast<double>(cell.spread(2));
   return match;
 }
 
