@@ -24,6 +24,12 @@ constexpr std::size_t kMessagesToTry = 200;
 constexpr std::size_t kImuSamples = 400;
 // Between 1 (g) and 9.81 (m/s^2), at equal ratios from both.
 constexpr double kAccelUnitLimit = 3.13;
+constexpr double kStandardGravity = 9.80665;  // [m/s^2]
+// Beyond these the unit is doubted: of the median length of an acceleration [m/s^2], of a scan [scan periods].
+constexpr double kLeastAccelNorm = 5.0;
+constexpr double kLargestAccelNorm = 15.0;
+constexpr double kLeastScanPeriods = 1e-3;
+constexpr double kMostScanPeriods = 3.0;
 
 /// What the first scans look like.
 struct ScanSamples {
@@ -113,18 +119,31 @@ FieldType type_of(const std::vector<PointField>& fields, const std::string& name
   return FieldType::kFloat32;
 }
 
-AccelUnit find_accel_unit(double norm, const std::string& topic, const sensor::Rig& rig) {
+AccelUnit find_accel_unit(double norm, const sensor::Rig& rig) {
   if (rig.accel_unit != AccelUnit::kAuto) return rig.accel_unit;
-  const AccelUnit unit =
-      norm < kAccelUnitLimit ? AccelUnit::kStandardGravity : AccelUnit::kMetresPerSecondSquared;
-  const double in_g = unit == AccelUnit::kStandardGravity ? norm : norm / 9.80665;
-  if (in_g < 0.7 || in_g > 1.5) {
-    log::warning(
-        "{}: the first accelerations are {:.3f} long, neither 1 g nor 9.81 m/s^2; taken as {}; "
-        "set accel_unit in the rig if that is wrong",
-        topic, norm, unit == AccelUnit::kStandardGravity ? "g" : "m/s^2");
-  }
-  return unit;
+  return norm < kAccelUnitLimit ? AccelUnit::kStandardGravity : AccelUnit::kMetresPerSecondSquared;
+}
+
+/// Whatever the motion, gravity dominates the median: far from it, the unit is wrong.
+void warn_of_odd_acceleration(const ImuInfo& info) {
+  const bool is_in_g = info.accel_unit == AccelUnit::kStandardGravity;
+  const double norm = info.median_accel_norm * (is_in_g ? kStandardGravity : 1.0);
+  if (norm >= kLeastAccelNorm && norm <= kLargestAccelNorm) return;
+  log::warning(
+      "{}: the first accelerations are {:.3g} m/s^2 long, taken as {}, and gravity is 9.81; set accel_unit in the rig if "
+      "that is wrong",
+      info.topic, norm, is_in_g ? "g" : "m/s^2");
+}
+
+/// Scans follow one another: one cannot take much longer than the time to the next.
+void warn_of_odd_duration(const LidarInfo& info) {
+  const double span = to_seconds(info.time.span);
+  if (info.rate_hz <= 0.0 || info.time.field.empty() || info.time.instantaneous || info.num_scans_sampled == 0) return;
+  const double periods = span * info.rate_hz;
+  if (periods >= kLeastScanPeriods && periods <= kMostScanPeriods) return;
+  log::warning(
+      "{}: by the field {} a scan takes {:.3g} s, but one comes every {:.3g} s; set time_unit in the rig if that is wrong",
+      info.topic, info.time.field, span, 1.0 / info.rate_hz);
 }
 
 }  // namespace
@@ -151,6 +170,7 @@ Result<LidarInfo> probe_lidar(Rosbag1Reader& reader, std::size_t topic, const se
   const auto time_field = find_time_field(info.fields, rig);
   if (!time_field.ok()) return time_field.error();
   info.time = find_time_model(*time_field, type_of(info.fields, *time_field), samples->time_ranges, rig);
+  warn_of_odd_duration(info);
   return info;
 }
 
@@ -178,7 +198,8 @@ Result<ImuInfo> probe_imu(Rosbag1Reader& reader, std::size_t topic, const sensor
   }
   info.rate_hz = measure_timing(stamps, true).rate_hz();
   info.median_accel_norm = median(norms);
-  info.accel_unit = find_accel_unit(info.median_accel_norm, info.topic, rig);
+  info.accel_unit = find_accel_unit(info.median_accel_norm, rig);
+  if (!norms.empty()) warn_of_odd_acceleration(info);
   return info;
 }
 
