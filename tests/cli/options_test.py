@@ -113,6 +113,20 @@ class Settings(Refusals):
         self.assertIn("did you mean output.map_voxel?", self.refused("run", "a.bag", "--set", "output.map_voxl=1"))
         self.assertIn("key=value", self.refused("run", "a.bag", "--set", "output.map_voxel"))
 
+    def test_limits_out_of_order_are_named_with_both_keys_and_values(self):
+        leaf = ["--set", "odometry.scan.min_leaf=0.9", "--set", "odometry.scan.max_leaf=0.4"]
+        self.assertEqual(self.refused("run", "a.bag", *leaf),
+                         "mmlins: config: odometry.scan.min_leaf (0.9 m) must not be above odometry.scan.max_leaf (0.4 m)")
+        points = "odometry:\n  map:\n    planes:\n      min_points: 20\n      max_points: 10\n"
+        config = self.file("config.yaml", points)
+        self.assertEqual(self.refused("run", "a.bag", "--config", config),
+                         f"mmlins: {config}: odometry.map.planes.min_points (20) must not be above "
+                         "odometry.map.planes.max_points (10)")
+
+    def test_limits_that_are_equal_are_accepted(self):
+        equal = ["--set", "odometry.scan.min_leaf=0.4", "--set", "odometry.scan.max_leaf=0.4"]
+        self.assertIn("missing.bag: no such file", self.refused("run", "missing.bag", *equal))
+
     def test_a_recording_given_as_settings_is_refused(self):
         bag = self.folder / "a.bag"
         bag.write_bytes(b"#ROSBAG V2.0\n" + bytes(range(256)))
