@@ -2,6 +2,7 @@
 // mmlins: LiDAR-inertial SLAM from the command line.
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -54,8 +55,10 @@ int run_program(int argc, char** argv) {
 }  // namespace mmlins::cli
 
 int main(int argc, char** argv) {
-  mmlins::log::set_sink([](mmlins::log::Level level, const std::string& message) {
-    fmt::print(stderr, "{}{}\n", level == mmlins::log::Level::kWarning ? "warning: " : "", message);
+  // On a terminal the line of progress may stand there: it is erased, and drawn again below the message.
+  const char* const line_start = isatty(STDERR_FILENO) != 0 ? "\r\x1b[K" : "";
+  mmlins::log::set_sink([line_start](mmlins::log::Level level, const std::string& message) {
+    fmt::print(stderr, "{}{}{}\n", line_start, level == mmlins::log::Level::kWarning ? "warning: " : "", message);
   });
   return mmlins::cli::run_program(argc, argv);
 }

@@ -6,6 +6,7 @@ import csv
 import filecmp
 import json
 import os
+import pty
 import signal
 import struct
 import subprocess
@@ -264,6 +265,43 @@ class BadInput(Run):
         self.assertGreater(summary["scans"], 10)
         self.assertLess(summary["scans"], 50)
         self.assertNotEqual(summary["read_error"], "")
+
+
+class CarriedByTheImuAlone(Run):
+    def setUp(self):
+        super().setUp()
+        result = mmlins("degrade", self.bag, self.path("dark.bag"), "--event", "blackout:4:0.8", "--rig", self.rig)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.command = ["run", self.path("dark.bag"), "--rig", self.rig, "--out", self.path("out")]
+
+    def test_run_says_at_its_end_how_many_scans_that_were(self):
+        result = mmlins(*self.command)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        with open(self.path("out/health.csv"), newline="") as file:
+            states = [row["state"] for row in csv.DictReader(file)]
+        bridging = states.count("BRIDGING")
+        self.assertGreaterEqual(bridging, 7)  # the whole scans of 0.8 s
+        self.assertEqual(result.stderr.splitlines()[-1],
+                         f"warning: {bridging} of {len(states)} scans were carried by the IMU alone; "
+                         f"{self.path('out')}/health.csv says which and why (BRIDGING)")
+
+    def test_run_says_nothing_if_there_were_none(self):
+        self.assertNotIn("warning", self.run_into("out").stderr)
+
+    def test_on_a_terminal_a_warning_erases_the_line_of_progress(self):
+        terminal, stderr = pty.openpty()
+        self.addCleanup(os.close, terminal)
+        process = subprocess.Popen([MMLINS, *self.command], stdout=subprocess.DEVNULL, stderr=stderr)
+        os.close(stderr)
+        shown = b""
+        try:
+            while part := os.read(terminal, 4096):
+                shown += part
+        except OSError:  # how Linux says that the other end is closed
+            pass
+        self.assertEqual(process.wait(timeout=120), 0, shown)
+        self.assertGreater(shown.count(b"warning: "), 0, shown)
+        self.assertEqual(shown.count(b"\r\x1b[Kwarning: "), shown.count(b"warning: "), shown)
 
 
 class Interruption(Run):
