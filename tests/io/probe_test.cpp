@@ -99,24 +99,31 @@ TEST_F(Probe, AccelerationsFarFromGravityAreToldWithTheKeyToSet) {
 }
 
 TEST_F(Probe, AWrongAccelUnitOfTheRigIsTold) {
-  expect_one_with(warnings_for(0.099, 1.0, rig_with(AccelUnit::kMetresPerSecondSquared)), {"/imu", "1 m/s^2", "accel_unit"});
-  expect_one_with(warnings_for(0.099, 9.80665, rig_with(AccelUnit::kStandardGravity)), {"/imu", "96.2 m/s^2", "accel_unit"});
+  expect_one_with(warnings_for(0.099, 1.0, rig_with(AccelUnit::kMetresPerSecondSquared)),
+                  {"/imu", "1 m/s^2", "accel_unit"});
+  expect_one_with(warnings_for(0.099, 9.80665, rig_with(AccelUnit::kStandardGravity)),
+                  {"/imu", "96.2 m/s^2", "accel_unit"});
 }
 
 TEST_F(Probe, ScansAsLongAsTheirPeriodOrSomewhatOffAreNoCauseToWarn) {
   const sensor::Rig rig = rig_with(TimeUnit::kSeconds);
-  for (const double seconds : {0.099, 0.29, 1.1e-4}) EXPECT_TRUE(warnings_for(seconds, 9.81, rig).empty()) << seconds;
+  for (const double seconds : {0.099, 0.29, 1.1e-4})
+    EXPECT_TRUE(warnings_for(seconds, 9.81, rig).empty()) << seconds;
 }
 
 TEST_F(Probe, ScansLongerThanThreePeriodsAreToldWithTheKeyToSet) {
-  expect_one_with(warnings_for(0.31, 9.81, rig_with(TimeUnit::kSeconds)), {"/points", "field time", "0.31 s", "time_unit"});
+  expect_one_with(warnings_for(0.31, 9.81, rig_with(TimeUnit::kSeconds)),
+                  {"/points", "field time", "0.31 s", "time_unit"});
 }
 
 TEST_F(Probe, ScansShorterThanAThousandthOfAPeriodAreToldWithTheKeyToSet) {
-  expect_one_with(warnings_for(9e-5, 9.81, rig_with(TimeUnit::kSeconds)), {"/points", "field time", "9e-05 s", "time_unit"});
-  expect_one_with(warnings_for(0.099, 9.81, rig_with(TimeUnit::kMicroseconds)), {"/points", "field time", "time_unit"});
+  expect_one_with(warnings_for(9e-5, 9.81, rig_with(TimeUnit::kSeconds)),
+                  {"/points", "field time", "9e-05 s", "time_unit"});
+  expect_one_with(warnings_for(0.099, 9.81, rig_with(TimeUnit::kMicroseconds)),
+                  {"/points", "field time", "time_unit"});
   // Less than a nanosecond is rounded to none.
-  expect_one_with(warnings_for(0.099, 9.81, rig_with(TimeUnit::kNanoseconds)), {"/points", "field time", "time_unit"});
+  expect_one_with(warnings_for(0.099, 9.81, rig_with(TimeUnit::kNanoseconds)),
+                  {"/points", "field time", "time_unit"});
 }
 
 TEST_F(Probe, ScansTakenInAnInstantAreNoCauseToWarn) { EXPECT_TRUE(warnings_for(0.0, 9.81).empty()); }

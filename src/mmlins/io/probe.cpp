@@ -25,7 +25,8 @@ constexpr std::size_t kImuSamples = 400;
 // Between 1 (g) and 9.81 (m/s^2), at equal ratios from both.
 constexpr double kAccelUnitLimit = 3.13;
 constexpr double kStandardGravity = 9.80665;  // [m/s^2]
-// Beyond these the unit is doubted: of the median length of an acceleration [m/s^2], of a scan [scan periods].
+// Beyond these the unit is doubted: of the median length of an acceleration [m/s^2], of a scan [scan
+// periods].
 constexpr double kLeastAccelNorm = 5.0;
 constexpr double kLargestAccelNorm = 15.0;
 constexpr double kLeastScanPeriods = 1e-3;
@@ -130,7 +131,8 @@ void warn_of_odd_acceleration(const ImuInfo& info) {
   const double norm = info.median_accel_norm * (is_in_g ? kStandardGravity : 1.0);
   if (norm >= kLeastAccelNorm && norm <= kLargestAccelNorm) return;
   log::warning(
-      "{}: the first accelerations are {:.3g} m/s^2 long, taken as {}, and gravity is 9.81; set accel_unit in the rig if "
+      "{}: the first accelerations are {:.3g} m/s^2 long, taken as {}, and gravity is 9.81; set accel_unit "
+      "in the rig if "
       "that is wrong",
       info.topic, norm, is_in_g ? "g" : "m/s^2");
 }
@@ -138,11 +140,14 @@ void warn_of_odd_acceleration(const ImuInfo& info) {
 /// Scans follow one another: one cannot take much longer than the time to the next.
 void warn_of_odd_duration(const LidarInfo& info) {
   const double span = to_seconds(info.time.span);
-  if (info.rate_hz <= 0.0 || info.time.field.empty() || info.time.instantaneous || info.num_scans_sampled == 0) return;
+  if (info.rate_hz <= 0.0 || info.time.field.empty() || info.time.instantaneous ||
+      info.num_scans_sampled == 0)
+    return;
   const double periods = span * info.rate_hz;
   if (periods >= kLeastScanPeriods && periods <= kMostScanPeriods) return;
   log::warning(
-      "{}: by the field {} a scan takes {:.3g} s, but one comes every {:.3g} s; set time_unit in the rig if that is wrong",
+      "{}: by the field {} a scan takes {:.3g} s, but one comes every {:.3g} s; set time_unit in the rig if "
+      "that is wrong",
       info.topic, info.time.field, span, 1.0 / info.rate_hz);
 }
 
