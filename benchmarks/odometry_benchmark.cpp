@@ -91,7 +91,7 @@ void BM_Linearise(benchmark::State& state, bool planes) {
   nav.R_odom_imu = scene().motion.back().pose.R;
   nav.p_odom = scene().motion.back().pose.t;
   const imu::ErrorMatrix P = 1e-6 * imu::ErrorMatrix::Identity();
-  for (auto _ : state) benchmark::DoNotOptimize(measurement.linearise(nav, P, 0));
+  for (auto _ : state) benchmark::DoNotOptimize(measurement.linearise(nav, P));
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(scene().keypoints.size()));
 }
 

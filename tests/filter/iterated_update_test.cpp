@@ -53,7 +53,7 @@ ErrorVector draw(const ErrorMatrix& P, sim::Random& random) {
 
 /// Measures the position, with one information matrix.
 MeasurementModel position_sensor(const Vector3d& measured, const Eigen::Matrix3d& information) {
-  return [=](const NavState& state, const ErrorMatrix&, int) {
+  return [=](const NavState& state, const ErrorMatrix&) {
     PoseInformation result;
     const Vector3d r = state.p_odom - measured;
     result.H.bottomRightCorner<3, 3>() = information;
@@ -91,7 +91,7 @@ TEST(IteratedUpdate, OnALinearProblemItIsTheKalmanFilter) {
 TEST(IteratedUpdate, AMeasurementThatSaysNothingKeepsThePrior) {
   sim::Random random(2);
   const Estimate prior{random_state(random), random_covariance(random, 0.3)};
-  const auto silent = [](const NavState&, const ErrorMatrix&, int) {
+  const auto silent = [](const NavState&, const ErrorMatrix&) {
     PoseInformation nothing;
     nothing.num_residuals = 100;
     return nothing;
@@ -165,7 +165,7 @@ class Room {
       offsets_.push_back(normals_.back().dot(p));
     }
   }
-  PoseInformation operator()(const NavState& state, const ErrorMatrix&, int) const {
+  PoseInformation operator()(const NavState& state, const ErrorMatrix&) const {
     PoseInformation sum;
     for (std::size_t i = 0; i < points_imu_.size(); ++i) {
       const double r = normals_[i].dot(state.T_odom_imu() * points_imu_[i]) - offsets_[i];
@@ -213,7 +213,7 @@ TEST(IteratedUpdate, FindsTheMinimumOfPriorAndMeasurementTogether) {
   const ErrorMatrix information = prior.P.inverse();
   const auto cost = [&](const NavState& state) {
     const ErrorVector e = minus(state, prior.state);
-    return e.dot(information * e) + room(state, prior.P, 0).cost;
+    return e.dot(information * e) + room(state, prior.P).cost;
   };
   const NavState found = iterated_update(prior, room, kPatient).estimate.state;
   const double step = 1e-4;

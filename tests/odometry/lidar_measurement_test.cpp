@@ -92,11 +92,11 @@ TEST(LidarMeasurement, GradientIsTheDerivativeOfHalfTheCost) {
   const auto points = points_of_room(true_state(), 500);
   LidarMeasurement measurement(points, map, trusting(), {});
   const NavState state = moved(true_state(), kOff);
-  const filter::PoseInformation linear = measurement.linearise(state, ErrorMatrix::Identity(), 0);
+  const filter::PoseInformation linear = measurement.linearise(state, ErrorMatrix::Identity());
   EXPECT_EQ(linear.num_residuals, 500);
   const auto half_cost = [&](const Eigen::VectorXd& d) -> Eigen::VectorXd {
     return Eigen::VectorXd::Constant(
-        1, 0.5 * measurement.linearise(moved(state, d), ErrorMatrix::Identity(), 0).cost);
+        1, 0.5 * measurement.linearise(moved(state, d), ErrorMatrix::Identity()).cost);
   };
   const Eigen::VectorXd numerical =
       math::numerical_jacobian(half_cost, Eigen::VectorXd::Zero(6)).row(0).transpose();
@@ -109,9 +109,9 @@ TEST(LidarMeasurement, InformationIsTheCurvatureOfHalfTheCostWhereItVanishes) {
   const auto points = points_of_room(true_state(), 500);
   LidarMeasurement measurement(points, map, trusting(), {});
   const NavState state = true_state();
-  const Matrix6d H = measurement.linearise(state, ErrorMatrix::Identity(), 0).H;
+  const Matrix6d H = measurement.linearise(state, ErrorMatrix::Identity()).H;
   const auto gradient = [&](const Eigen::VectorXd& d) -> Eigen::VectorXd {
-    return measurement.linearise(moved(state, d), ErrorMatrix::Identity(), 0).b;
+    return measurement.linearise(moved(state, d), ErrorMatrix::Identity()).b;
   };
   // Points in single precision leave residuals of 1e-7 m; their curvature is lost.
   const Eigen::MatrixXd numerical = math::numerical_jacobian(gradient, Eigen::VectorXd::Zero(6), 1e-5);
@@ -132,10 +132,10 @@ TEST(LidarMeasurement, GradientHoldsOnAMapOfPlanesLearntFromPoints) {
   LidarMeasurement measurement(points, map, trusting(), {});
   const NavState state = moved(true_state(), 0.2 * kOff);
   const ErrorMatrix P = ErrorMatrix::Identity();
-  const filter::PoseInformation linear = measurement.linearise(state, P, 0);
+  const filter::PoseInformation linear = measurement.linearise(state, P);
   ASSERT_GT(linear.num_residuals, 400);
   const auto half_cost = [&](const Eigen::VectorXd& d) -> Eigen::VectorXd {
-    return Eigen::VectorXd::Constant(1, 0.5 * measurement.linearise(moved(state, d), P, 0).cost);
+    return Eigen::VectorXd::Constant(1, 0.5 * measurement.linearise(moved(state, d), P).cost);
   };
   const Eigen::VectorXd numerical =
       math::numerical_jacobian(half_cost, Eigen::VectorXd::Zero(6), 1e-7).row(0).transpose();
@@ -150,7 +150,7 @@ TEST(LidarMeasurement, NewtonStepsLeadToTheTruePose) {
   LidarMeasurement measurement(points, map, trusting(), {});
   NavState state = moved(true_state(), 3.0 * kOff);
   for (int i = 0; i < 5; ++i) {
-    const auto linear = measurement.linearise(state, ErrorMatrix::Identity(), i);
+    const auto linear = measurement.linearise(state, ErrorMatrix::Identity());
     state = moved(state, -linear.H.ldlt().solve(linear.b));
   }
   // Points in single precision.
@@ -176,7 +176,7 @@ TEST(LidarMeasurement, ManyPointsOfOnePlaneCannotBeatThePlanesOwnVariance) {
   for (const int count : {1, 10, 100, 10000}) {
     const auto points = points_of_wall(count);
     LidarMeasurement measurement(points, map, trusting(), {});
-    const double information = measurement.linearise(state, ErrorMatrix::Identity(), 0).H(3, 3);
+    const double information = measurement.linearise(state, ErrorMatrix::Identity()).H(3, 3);
     // n readings with variance s each of one plane with variance v: their mean has variance s / n + v.
     const double variance = map.surface_variance / count + map.plane_variance;
     EXPECT_NEAR(information * variance, 1.0, 1e-9) << count;
@@ -198,7 +198,7 @@ TEST(LidarMeasurement, GateIsAsWideAsNoiseMapAndStateAllow) {
       NavState state;
       state.p_odom.x() = share * gate;
       LidarMeasurement measurement(points, map, config, {});
-      EXPECT_EQ(measurement.linearise(state, P, 0).num_residuals, share < 1.0 ? 1 : 0) << deviation;
+      EXPECT_EQ(measurement.linearise(state, P).num_residuals, share < 1.0 ? 1 : 0) << deviation;
     }
   }
 }
@@ -214,7 +214,7 @@ TEST(LidarMeasurement, LargeResidualsPullWithAConstantForce) {
     NavState state;
     state.p_odom.x() = sigmas * sigma;
     LidarMeasurement measurement(points, map, config, {});
-    return measurement.linearise(state, ErrorMatrix::Identity(), 0).b(3);
+    return measurement.linearise(state, ErrorMatrix::Identity()).b(3);
   };
   EXPECT_NEAR(pull(1.0), 1.0 / sigma, 1e-4 / sigma);  // points in single precision
   EXPECT_NEAR(pull(4.0), 2.0 / sigma, 1e-4 / sigma);
@@ -231,12 +231,12 @@ TEST(LidarMeasurement, BeamsAlongASurfaceAreLessCertainThanBeamsOntoIt) {
   const std::vector<Eigen::Vector3f> slanting{{4.0F, 2.5F, 0.0F}};
   LidarMeasurement straight(onto, map, trusting(), noise);
   LidarMeasurement oblique(slanting, map, trusting(), noise);
-  EXPECT_NEAR(straight.linearise(state, ErrorMatrix::Identity(), 0).H(3, 3) * map.surface_variance, 1.0,
+  EXPECT_NEAR(straight.linearise(state, ErrorMatrix::Identity()).H(3, 3) * map.surface_variance, 1.0,
               1e-9);
   // A beam that turns by an angle moves its point by range times angle, of which the part across the wall
   // is what the beam covers along the wall: here 2.5 m, wherever the sensor sits in front.
   const double variance = map.surface_variance + bearing * bearing * 2.5 * 2.5;
-  EXPECT_NEAR(oblique.linearise(state, ErrorMatrix::Identity(), 0).H(3, 3) * variance, 1.0, 1e-9);
+  EXPECT_NEAR(oblique.linearise(state, ErrorMatrix::Identity()).H(3, 3) * variance, 1.0, 1e-9);
 }
 
 TEST(LidarMeasurement, GivesTheSameBitsWhateverTheNumberOfThreads) {
@@ -246,7 +246,7 @@ TEST(LidarMeasurement, GivesTheSameBitsWhateverTheNumberOfThreads) {
   const auto linearise = [&](int threads) {
     parallel::set_num_threads(threads);
     LidarMeasurement measurement(points, map, trusting(), {});
-    const auto result = measurement.linearise(state, ErrorMatrix::Identity(), 0);
+    const auto result = measurement.linearise(state, ErrorMatrix::Identity());
     parallel::set_num_threads(0);
     return result;
   };
@@ -261,7 +261,7 @@ TEST(LidarMeasurement, WithoutPointsThereIsNothing) {
   const RoomMap map;
   const std::vector<Eigen::Vector3f> none;
   LidarMeasurement measurement(none, map, trusting(), {});
-  const auto linear = measurement.linearise(NavState(), ErrorMatrix::Identity(), 0);
+  const auto linear = measurement.linearise(NavState(), ErrorMatrix::Identity());
   EXPECT_EQ(linear.num_residuals, 0);
   EXPECT_TRUE(linear.H.isZero());
   EXPECT_EQ(measurement.residual_rms(), 0.0);

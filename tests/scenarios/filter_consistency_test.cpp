@@ -103,7 +103,7 @@ double mean_nees(int seed) {
     odometry::LidarMeasurement measurement(keypoints.points, map, {}, {0.0, rig.T_imu_lidar().t});
     const auto update = filter::iterated_update(
         motion.estimate,
-        [&](const NavState& state, const imu::ErrorMatrix& P, int i) { return measurement.linearise(state, P, i); },
+        [&](const NavState& state, const imu::ErrorMatrix& P) { return measurement.linearise(state, P); },
         {.max_iterations = 5, .min_residuals = 50});
     estimate = update.estimate;
     if (to_seconds(scan.end_time - recording.scans.front().start_time) < 3.0) continue;

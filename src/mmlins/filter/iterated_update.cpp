@@ -50,7 +50,7 @@ UpdateReport iterated_update(const imu::Estimate& prior, const MeasurementModel&
   imu::NavState x = prior.state;
   ErrorMatrix P = prior.P;
   for (int iteration = 0; iteration < limits.max_iterations; ++iteration) {
-    report.information = measure(x, P, iteration);
+    report.information = measure(x, P);
     if (report.information.num_residuals < limits.min_residuals) {
       report.status = UpdateStatus::kTooFewResiduals;
       report.estimate = prior;

@@ -21,7 +21,7 @@ struct PoseInformation {
 };
 
 /// Linearises the measurement around `state`. `P` is how uncertain that state is, for gating.
-using MeasurementModel = std::function<PoseInformation(const imu::NavState& state, const imu::ErrorMatrix& P, int iteration)>;
+using MeasurementModel = std::function<PoseInformation(const imu::NavState& state, const imu::ErrorMatrix& P)>;
 
 struct UpdateLimits {
   int max_iterations;

@@ -31,8 +31,6 @@ class LidarInertialOdometry {
   /// No more scans will come: starts with what there is, if it has not started yet.
   [[nodiscard]] std::vector<ScanResult> finish();
 
-  [[nodiscard]] std::size_t num_map_cells() const { return tracker_ ? tracker_->num_map_cells() : 0; }
-
  private:
   [[nodiscard]] std::vector<ScanResult> try_to_start(const OdometryConfig& config);
 

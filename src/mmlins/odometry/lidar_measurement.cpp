@@ -61,8 +61,7 @@ void LidarMeasurement::count_sharers() {
   }
 }
 
-filter::PoseInformation LidarMeasurement::linearise(const imu::NavState& state, const imu::ErrorMatrix& P,
-                                                    int /*iteration*/) {
+filter::PoseInformation LidarMeasurement::linearise(const imu::NavState& state, const imu::ErrorMatrix& P) {
   const StateSpread spread(P);
   const math::Matrix3d R_imu_odom = state.R_odom_imu.transpose();
   parallel::for_ranges(matches_.size(), kGrain, [&](std::size_t begin, std::size_t end) {

@@ -26,7 +26,7 @@ class LidarMeasurement {
                    const MatchingConfig& config, const BeamNoise& noise);
 
   /// Matches every keypoint from `state` and linearises. Eqs. (15)-(19).
-  [[nodiscard]] filter::PoseInformation linearise(const imu::NavState& state, const imu::ErrorMatrix& P, int iteration);
+  [[nodiscard]] filter::PoseInformation linearise(const imu::NavState& state, const imu::ErrorMatrix& P);
 
   /// What the matches of the last linearisation say about the pose at `state`, before any robust weight: an
   /// outlier takes nothing from the geometry. docs/math/degeneracy.md, Eqs. (1), (5).

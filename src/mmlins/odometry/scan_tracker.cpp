@@ -84,7 +84,7 @@ ScanResult ScanTracker::track(std::shared_ptr<const sensor::LidarScan> scan, con
   if (!first) {
     update = filter::iterated_update(
         motion.propagation.estimate,
-        [&](const imu::NavState& state, const imu::ErrorMatrix& P, int i) { return measurement.linearise(state, P, i); },
+        [&](const imu::NavState& state, const imu::ErrorMatrix& P) { return measurement.linearise(state, P); },
         {.max_iterations = config_.matching.max_iterations, .min_residuals = config_.matching.min_matches});
   }
   result.estimate = estimate_ = update.estimate;

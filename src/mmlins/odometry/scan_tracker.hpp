@@ -23,7 +23,6 @@ class ScanTracker {
   [[nodiscard]] ScanResult track(std::shared_ptr<const sensor::LidarScan> scan, const sensor::ImuBuffer& imu);
 
   [[nodiscard]] const imu::Estimate& estimate() const { return estimate_; }
-  [[nodiscard]] std::size_t num_map_cells() const { return map_->num_cells(); }
 
  private:
   struct Motion {

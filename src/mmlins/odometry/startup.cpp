@@ -147,7 +147,6 @@ Start start_in_motion(const OdometryConfig& config, const sensor::Rig& rig, cons
                                              static_cast<std::size_t>(share * static_cast<double>(scans.size())));
     const bool whole = count >= scans.size();
     Start start = run_window(config, rig, {scans.begin(), scans.begin() + static_cast<std::ptrdiff_t>(count)}, imu, prior);
-    start.passes = pass;
     const sensor::ImuSamples samples = imu.covering(prior.state.time, start.results.back().time);
     const std::optional<Estimate> next = prior_from_pass(start, samples, config.start);
     const bool settled = !next || (next->state.v_odom - prior.state.v_odom).norm() < kSettledSpeed;
@@ -190,7 +189,6 @@ std::unique_ptr<Start> find_start(const OdometryConfig& config, const sensor::Ri
     if (scans_say_rest(trial, config.start, window)) {
       auto start = std::make_unique<Start>(run_window(config, rig, scans, imu, start_prior(samples, config.start, true)));
       start->at_rest = true;
-      start->passes = 1;
       return start;
     }
     if (window < config.start.motion_window) return nullptr;

@@ -19,7 +19,6 @@ struct Start {
   std::vector<ScanResult> results;
   imu::Estimate prior;   ///< what the tracker began with
   bool at_rest = false;
-  int passes = 0;
 };
 
 /// Whether the IMU alone would allow that the robot stands still throughout `samples`; not with fewer than ten.
