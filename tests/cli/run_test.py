@@ -6,8 +6,8 @@ import csv
 import filecmp
 import json
 import os
-import re
 import pty
+import re
 import signal
 import struct
 import subprocess
