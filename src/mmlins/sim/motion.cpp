@@ -6,6 +6,8 @@
 #include <numbers>
 #include <optional>
 
+#include "mmlins/sim/travel_clock.hpp"
+
 namespace mmlins::sim {
 
 namespace {
@@ -61,8 +63,9 @@ Ellipse make_ellipse(const TrajectoryConfig& config) {
 // A closed path in the plane, travelled with swaying, bobbing and looking around.
 class LoopMotion : public Motion {
  public:
+  /// @param config  resolved
   LoopMotion(const TrajectoryConfig& config, const Route& route)
-      : config_(config), ellipse_(make_ellipse(config)) {
+      : config_(config), clock_(config, config.stops), ellipse_(make_ellipse(config)) {
     if (config.style == PathStyle::kRoute) {
       Route course = route;
       if (config.reverse) {
@@ -76,7 +79,7 @@ class LoopMotion : public Motion {
   }
 
   Kinematics at(double seconds) const override {
-    const Jet travelled = travel_time(seconds);
+    const Jet travelled = clock_.at(seconds);
     const double lap_time = course_ ? course_->lap_time() : ellipse_.lap_time();
     const Jet on_path = travelled + config_.start_lap * lap_time;
     const PathPoint path = course_ ? course_->at(on_path) : ellipse_.at(on_path);
@@ -89,19 +92,6 @@ class LoopMotion : public Motion {
   }
 
  private:
-  // Seconds spent moving: 0 while standing, then its rate rises smoothly to 1. The third derivative is
-  // continuous, because the rate is a quintic step.
-  Jet travel_time(double seconds) const {
-    if (config_.start_in_motion) return {seconds, 1.0, 0.0};
-    const double since_start = seconds - config_.stand_still;
-    if (since_start <= 0.0) return {};
-    if (since_start >= config_.ramp) return {since_start - 0.5 * config_.ramp, 1.0, 0.0};
-    const double s = since_start / config_.ramp;
-    const double s2 = s * s, s3 = s2 * s, s4 = s3 * s;
-    return {config_.ramp * s4 * (s2 - 3.0 * s + 2.5), s3 * (6.0 * s2 - 15.0 * s + 10.0),
-            30.0 * s2 * (s2 - 2.0 * s + 1.0) / config_.ramp};
-  }
-
   Jet height(const Jet& travelled) const {
     return oscillation(config_.rise, 0.07, 0.4, travelled) +
            oscillation(config_.bob, config_.bob_hz, 0.0, travelled) + config_.height;
@@ -117,6 +107,7 @@ class LoopMotion : public Motion {
   }
 
   TrajectoryConfig config_;
+  TravelClock clock_;
   Ellipse ellipse_;
   std::optional<Course> course_;
 };
@@ -129,52 +120,14 @@ Kinematics transformed(const math::SE3& T_new_old, const Kinematics& old) {
 }
 
 std::unique_ptr<Motion> make_motion(const TrajectoryConfig& config, const Route& scene_route) {
-  if (config.route.empty()) return std::make_unique<LoopMotion>(config, scene_route);
+  const TrajectoryConfig resolved = config.resolved();
+  if (config.route.empty()) return std::make_unique<LoopMotion>(resolved, scene_route);
   Route own;
   for (const RouteCorner& corner : config.route) {
     own.corners.emplace_back(corner.x, corner.y);
     own.heights.push_back(corner.z);
   }
-  return std::make_unique<LoopMotion>(config, own);
-}
-
-Fields RouteCorner::fields() {
-  return {
-      field("x", x, "m", {-1e5, 1e5}, "in the coordinates of the scene"),
-      field("y", y, "m", {-1e5, 1e5}, ""),
-      field("z", z, "m", {-1e4, 1e4}, "height of the ground"),
-  };
-}
-
-Fields TrajectoryConfig::fields() {
-  return {
-      field("style", style, {"ellipse", "route"},
-            "an ellipse about the middle of the scene, or the scene's own course"),
-      groups("route", route,
-             "corners of a course that takes the place of the scene's; at least three, closed"),
-      field("speed", speed, "m/s", {0.05, 40.0}, "cruising speed; of an ellipse the mean"),
-      field("stand_still", stand_still, "s", {0.0, 600.0}, "time before the first movement"),
-      field("start_in_motion", start_in_motion,
-            "moving at full speed from the first sample on; no standing still"),
-      field("ramp", ramp, "s", {0.1, 60.0}, "time from standing to full speed"),
-      field("start_lap", start_lap, "", {0.0, 1.0}, "where on the course to start, as a share of a lap"),
-      field("reverse", reverse, "travel the course the other way round"),
-      field("semi_axis_x", semi_axis_x, "m", {0.5, 1000.0}, "of the ellipse"),
-      field("semi_axis_y", semi_axis_y, "m", {0.5, 1000.0}, "of the ellipse"),
-      field("corner_ratio", corner_ratio, "", {0.1, 1.0},
-            "speed at right-angled corners, as a share of the cruise"),
-      field("corner_smoothing", corner_smoothing, "s", {0.1, 10.0}, "how widely corners are rounded"),
-      field("height", height, "m", {0.1, 100.0}, "of the IMU above the ground"),
-      field("rise", rise, "m", {0.0, 10.0}, "amplitude of slow changes of height"),
-      field("bob", bob, "m", {0.0, 0.5}, "amplitude of the up and down of steps, or of the suspension"),
-      field("bob_hz", bob_hz, "Hz", {0.0, 20.0}, "frequency of the bobbing"),
-      field("sway_deg", sway_deg, "deg", {0.0, 45.0}, "amplitude of roll; pitch gets 0.7 of it"),
-      field("sway_hz", sway_hz, "Hz", {0.0, 20.0}, "frequency of roll; pitch has 1.37 of it"),
-      field("look_deg", look_deg, "deg", {0.0, 180.0}, "amplitude of looking left and right of the course"),
-      field("look_hz", look_hz, "Hz", {0.0, 20.0}, "frequency of looking around"),
-      field("mount_yaw_deg", mount_yaw_deg, "deg", {-180.0, 180.0},
-            "heading of the IMU's x axis on the carrier"),
-  };
+  return std::make_unique<LoopMotion>(resolved, own);
 }
 
 }  // namespace mmlins::sim

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "mmlins/sim/random.hpp"
+#include "mmlins/sim/travel_clock.hpp"
 
 namespace mmlins::sim {
 
@@ -76,7 +77,8 @@ Status validate(const SimulationConfig& config, const std::string& source) {
         "{}: trajectory.stand_still ({} s) must be shorter than duration ({} s), or nothing moves", source,
         config.trajectory.stand_still, config.duration);
   }
-  return {};
+  return validate_stops(config.trajectory.resolved(), config.trajectory.stops, config.duration,
+                        source + ": trajectory.stops");
 }
 
 Simulation::Simulation(const SimulationConfig& config) : Simulation(config, nullptr) {}
