@@ -144,7 +144,8 @@ def judged(event: dict, truth: list[Pose], odometry: list[Pose]) -> dict:
     after = min(end + AFTER, odometry[-1].time)
     figures = {"path_m": path_length(truth, start, end), "path_after_m": path_length(truth, start, after),
                "drift_before_m": drift(truth, odometry, max(start - BEFORE, odometry[0].time), start),
-               "drift_end_m": drift(truth, odometry, start, end), "drift_after_m": drift(truth, odometry, start, after)}
+               "drift_end_m": drift(truth, odometry, start, end),
+               "drift_after_m": drift(truth, odometry, start, after)}
     return event | figures
 
 
@@ -161,15 +162,18 @@ def measured(programs: Programs, name: str, overrides: list[str]) -> dict:
         made, out = pathlib.Path(work) / "made", pathlib.Path(work) / "out"
         settings = [word for override in overrides for word in ("--set", override)]
         call(programs.simulator, "simulate", SCENARIOS / f"{name}.yaml", "--out", made, *settings)
-        call(programs.mmlins, "run", made / "recording.bag", "--rig", made / "rig.yaml", "--out", out, "--threads", 1)
-        figures = json.loads(call(programs.mmlins, "evaluate", made / "truth.tum", out / "odometry.tum", "--json"))
+        bag, rig, truth_file, estimate = (made / "recording.bag", made / "rig.yaml", made / "truth.tum",
+                                          out / "odometry.tum")
+        call(programs.mmlins, "run", bag, "--rig", rig, "--out", out, "--threads", 1)
+        figures = json.loads(call(programs.mmlins, "evaluate", truth_file, estimate, "--json"))
         summary = json.loads((out / "summary.json").read_text())
-        truth, odometry = read_tum(made / "truth.tum"), read_tum(out / "odometry.tum")
+        truth, odometry = read_tum(truth_file), read_tum(estimate)
         events = read_events(made / "events.csv", truth[0].time)
         return {"path_m": figures["path_length_m"], "duration_s": figures["duration_s"],
                 "ate_m": figures["ate_m"]["rmse"], "ate_max_m": figures["ate_m"]["max"],
                 "end_to_end_m": figures["end_to_end"]["translation_m"], "states": summary["scans_by_state"],
-                "ms_mean": summary["stages"]["total"]["mean_ms"], "ms_p99": summary["stages"]["total"]["p99_ms"],
+                "ms_mean": summary["stages"]["total"]["mean_ms"],
+                "ms_p99": summary["stages"]["total"]["p99_ms"],
                 "events": [judged(event, truth, odometry) for event in events]}
 
 
@@ -202,7 +206,7 @@ def measure(programs: Programs, name: str, cache: pathlib.Path, again: bool) -> 
     if twin is None:
         twin = measured(programs, name, ["events=[]"]) | {"identity": twin_identity}
         keep(twin_path, twin)
-    figures = {"name": name, "identity": identity, "twin": twin, "with": None}
+    figures = {"name": name, "identity": identity, "scenario": fingerprint(essence), "twin": twin, "with": None}
     if essence != twin_of(essence):
         figures["with"] = measured(programs, name, [])
         events = figures["with"]["events"]
@@ -229,15 +233,17 @@ def scenario_row(figures: dict) -> str:
     text = (SCENARIOS / f"{figures['name']}.yaml").read_text()
     twin, spoilt = figures["twin"], figures["with"]
     states = (spoilt or twin)["states"]
-    return (f"| `{figures['name']}` | {model_of(text, 'sensor')}, {model_of(text, 'imu')} | {twin['path_m']:.0f} m, "
-            f"{twin['duration_s']:.0f} s | {metres(twin['ate_m'])} | {metres(spoilt['ate_m']) if spoilt else ''} | "
+    ate_spoilt = metres(spoilt["ate_m"]) if spoilt else ""
+    return (f"| `{figures['name']}` | {model_of(text, 'sensor')}, {model_of(text, 'imu')} | "
+            f"{twin['path_m']:.0f} m, {twin['duration_s']:.0f} s | {metres(twin['ate_m'])} | {ate_spoilt} | "
             f"{states['DEGRADED']} / {states['BRIDGING']} of {sum(states.values())} | {twin['ms_mean']:.1f} |")
 
 
 def event_row(name: str, event: dict) -> str:
     note = " *" if event.get("alone") else ""
-    return (f"| `{name}` | {event['start_s']:.0f} s{note} | {event_words(event)} | {event['path_m']:.0f} m | "
-            f"{metres(event['drift_end_m'])} | {metres(event['drift_after_m'])} | {verdict(event)} |")
+    return (f"| `{name}` | {event['start_s']:.0f} s{note} | {event_words(event)} | "
+            f"{event['path_m']:.0f} m | {metres(event['drift_end_m'])} | "
+            f"{metres(event['drift_after_m'])} | {verdict(event)} |")
 
 
 def count_line(what: str, events: list[dict]) -> str:
@@ -248,12 +254,15 @@ def count_line(what: str, events: list[dict]) -> str:
 
 
 def tables(catalogue: list[dict]) -> list[str]:
-    events = [(figures["name"], event) for figures in catalogue if figures["with"] for event in figures["with"]["events"]]
+    events = [(figures["name"], event) for figures in catalogue if figures["with"]
+              for event in figures["with"]["events"]]
+    held_out = [event for name, event in events if name.startswith("heldout")]
+    others = [event for name, event in events if not name.startswith("heldout")]
     lines = ["| set | events | of which | broken or lost |", "|---|---|---|---|",
-             count_line("development", [event for name, event in events if not name.startswith("heldout")]),
-             count_line("held out", [event for name, event in events if name.startswith("heldout")]), ""]
-    lines += ["| scenario | sensor, IMU | path | ATE without events [m] | with events [m] | DEGRADED / BRIDGING scans | "
-              "ms per scan |", "|---|---|---|---|---|---|---|", *map(scenario_row, catalogue), ""]
+             count_line("development", others), count_line("held out", held_out), ""]
+    lines += ["| scenario | sensor, IMU | path | ATE without events [m] | with events [m] | "
+              "DEGRADED / BRIDGING scans | ms per scan |", "|---|---|---|---|---|---|---|",
+              *map(scenario_row, catalogue), ""]
     lines += ["| scenario | begins at | event | path in it | drift at its end [m] | 5 s later [m] | |",
               "|---|---|---|---|---|---|---|", *(event_row(name, event) for name, event in events)]
     return lines
@@ -266,13 +275,12 @@ def write_page(catalogue: list[dict]) -> None:
 
 
 def comment_of(figures: dict) -> list[str]:
-    spoilt = figures["with"]
-    if spoilt is None:
-        words = f"ATE {metres(figures['twin']['ate_m'])} m."
-    else:
-        words = "; ".join(f"{event['kind']} at {event['start_s']:.0f} s {verdict(event)} ({metres(event['drift_after_m'])} m)"
-                          for event in spoilt["events"])
-        words += f"; ATE {metres(spoilt['ate_m'])} m, {metres(figures['twin']['ate_m'])} m without events."
+    twin, spoilt = figures["twin"], figures["with"]
+    words = f"ATE {metres(twin['ate_m'])} m."
+    if spoilt:
+        parts = [f"{event['kind']} at {event['start_s']:.0f} s {verdict(event)} "
+                 f"({metres(event['drift_after_m'])} m)" for event in spoilt["events"]]
+        words = f"{'; '.join(parts)}; ATE {metres(spoilt['ate_m'])} m, {metres(twin['ate_m'])} m without events."
     return textwrap.wrap("Plain odometry: " + words, 105, initial_indent="# ", subsequent_indent="#   ")
 
 
@@ -290,45 +298,64 @@ def write_comment(figures: dict) -> None:
 def options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
     parser.add_argument("--mmlins", help="the program to measure")
-    parser.add_argument("names", nargs="*", default=[], help="scenarios, or patterns like 'dev_*'; none: all of the catalogue")
+    parser.add_argument("names", nargs="*", help="scenarios, or patterns like 'dev_*'; none: all of them")
     parser.add_argument("--simulator", help="another mmlins, to make the recordings with")
     parser.add_argument("--cache", type=pathlib.Path, required=True, help="folder of the figures")
     parser.add_argument("--again", action="store_true", help="measure also what the cache holds")
-    parser.add_argument("--write", action="store_true", help="into docs/scenarios.md and the comments of the scenarios")
+    parser.add_argument("--write", action="store_true", help="put all figures into the documentation")
     return parser.parse_args()
 
 
 def names_of(patterns: list[str]) -> list[str]:
     names = sorted(path.stem for path in SCENARIOS.glob("*.yaml"))
-    chosen = [name for name in names if any(fnmatch.fnmatch(name, pattern) for pattern in patterns or ["dev_*", "heldout_*"])]
+    wanted = patterns or ["dev_*", "heldout_*"]
+    chosen = [name for name in names if any(fnmatch.fnmatch(name, pattern) for pattern in wanted)]
     return chosen or sys.exit(f"no scenario is called {' or '.join(patterns)}")
 
 
 def line_of(figures: dict) -> str:
     spoilt = figures["with"]
+    line = f"ATE {metres(figures['twin']['ate_m'])} m"
+    if spoilt is None:
+        return line
     words = [f"{event['kind']} {metres(event['drift_end_m'])} -> {metres(event['drift_after_m'])} {verdict(event)}"
-             for event in (spoilt["events"] if spoilt else [])]
-    return f"ATE {metres(figures['twin']['ate_m'])} m" + (f", with events {metres(spoilt['ate_m'])} m: " if spoilt else "") + "; ".join(words)
+             for event in spoilt["events"]]
+    return f"{line}, with events {metres(spoilt['ate_m'])} m: {'; '.join(words)}"
+
+
+def measure_all(chosen: argparse.Namespace) -> None:
+    program = pathlib.Path(chosen.mmlins)
+    identity = hashlib.sha256(program.read_bytes()).hexdigest()
+    programs = Programs(str(program), chosen.simulator or str(program), identity)
+    names = names_of(chosen.names)
+    for number, name in enumerate(names, 1):
+        begun = time.monotonic()
+        print(f"[{number}/{len(names)}] {name} ...", end=" ", flush=True)
+        line = line_of(measure(programs, name, chosen.cache, chosen.again))
+        print(f"{time.monotonic() - begun:.0f} s: {line}", flush=True)
+
+
+def write_all(cache: pathlib.Path) -> None:
+    catalogue = []
+    for name in names_of([]):
+        path = cache / f"{name}.json"
+        figures = json.loads(path.read_text()) if path.exists() else {}
+        if figures.get("scenario") == fingerprint(essence_of((SCENARIOS / f"{name}.yaml").read_text())):
+            catalogue.append(figures)
+        else:
+            print(f"{name} is left out: {'it has changed since' if figures else 'not measured yet'}")
+    write_page(catalogue)
+    for figures in catalogue:
+        write_comment(figures)
 
 
 def main() -> None:
     chosen = options()
     (chosen.cache / "twins").mkdir(parents=True, exist_ok=True)
     if chosen.mmlins:
-        program = pathlib.Path(chosen.mmlins)
-        programs = Programs(str(program), chosen.simulator or str(program), hashlib.sha256(program.read_bytes()).hexdigest())
-        names = names_of(chosen.names)
-        for number, name in enumerate(names, 1):
-            begun = time.monotonic()
-            print(f"[{number}/{len(names)}] {name} ...", end=" ", flush=True)
-            line = line_of(measure(programs, name, chosen.cache, chosen.again))
-            print(f"{time.monotonic() - begun:.0f} s: {line}", flush=True)
+        measure_all(chosen)
     if chosen.write:
-        catalogue = [json.loads((chosen.cache / f"{name}.json").read_text()) for name in names_of([])
-                     if (chosen.cache / f"{name}.json").exists()]
-        write_page(catalogue)
-        for figures in catalogue:
-            write_comment(figures)
+        write_all(chosen.cache)
 
 
 if __name__ == "__main__":
