@@ -35,7 +35,7 @@ Vector3d rotated(const Vector3d& w, const Vector3d& v) {
   return v + turned + 0.5 * w.cross(turned);
 }
 
-// The shot of a sensor at `dt` seconds after the kinematics.
+// The shot of a sensor at `dt` seconds after the kinematics; its time is left open.
 Ray ray_after(const Kinematics& at, double dt, const Vector3d& p_imu_lidar, const Vector3d& direction_imu) {
   const Vector3d turn = dt * at.angular_rate_imu;
   const Vector3d p_world_imu =
@@ -95,7 +95,9 @@ std::vector<LidarModel::Return> LidarModel::shoot(const World& world, const Moti
       }
       const double dt = to_seconds(beams[i].time - anchor_time);
       const Vector3d direction_imu = T_imu_lidar_.R * beams[i].direction;
-      returns[i] = measure(world, ray_after(anchor, dt, T_imu_lidar_.t, direction_imu), beams[i]);
+      Ray ray = ray_after(anchor, dt, T_imu_lidar_.t, direction_imu);
+      ray.time = to_seconds(beams[i].time);
+      returns[i] = measure(world, ray, beams[i]);
     }
   });
   return returns;

@@ -12,6 +12,7 @@ namespace mmlins::sim {
 struct Ray {
   Eigen::Vector3d origin;  ///< [m]
   Eigen::Vector3d direction;
+  double time = 0.0;  ///< at which it is shot, after the start of the recording [s]
 };
 
 enum class ShapeKind { kBox, kCylinder };

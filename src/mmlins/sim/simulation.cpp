@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mmlins/sim/mover_planner.hpp"
 #include "mmlins/sim/random.hpp"
 #include "mmlins/sim/travel_clock.hpp"
 
@@ -90,7 +91,13 @@ Simulation::Simulation(const SimulationConfig& config, std::unique_ptr<World> wo
       world_(world ? std::move(world) : make_world(config.world, places_passed(*motion_, config.duration))),
       imu_(config.imu, part_seed(config, kImu), from_seconds(config.duration)),
       lidar_(config.sensor, part_seed(config, kLidar)),
-      degrader_(config.events, kStart, {part_seed(config, kEvents), config.sensor.nearest()}) {}
+      degrader_(config.events, kStart, {part_seed(config, kEvents), config.sensor.nearest()}) {
+  std::vector<Mover> movers = plan_movers(config.world, *world_, *motion_, config.duration);
+  if (movers.empty()) return;
+  auto moving = std::make_unique<MovingWorld>(std::move(world_), std::move(movers));
+  moving_ = moving.get();
+  world_ = std::move(moving);
+}
 
 Result<sensor::Item> Simulation::next() {
   const Duration length = from_seconds(config_.duration);
@@ -168,14 +175,19 @@ math::Trajectory Simulation::truth(double rate_hz) const {
 
 std::optional<Hit> Simulation::cast(const Ray& ray_world, double max_range) const {
   const math::SE3 T_scene_world = T_world_scene_.inverse();
-  auto hit =
-      world_->cast({T_scene_world * ray_world.origin, T_scene_world.R * ray_world.direction}, max_range);
+  const World& still = moving_ == nullptr ? *world_ : moving_->still();
+  auto hit = still.cast({T_scene_world * ray_world.origin, T_scene_world.R * ray_world.direction}, max_range);
   if (hit) hit->normal = T_world_scene_.R * hit->normal;
   return hit;
 }
 
-double Simulation::distance_to_surface(const math::Vector3d& p_world, int surface) const {
-  return world_->distance(T_world_scene_.inverse() * p_world, surface);
+double Simulation::distance_to_surface(const math::Vector3d& p_world, int surface, Time time) const {
+  return world_->distance_at(T_world_scene_.inverse() * p_world, surface, to_seconds(time - kStart));
+}
+
+const std::vector<Mover>& Simulation::movers() const {
+  static const std::vector<Mover> none;
+  return moving_ == nullptr ? none : moving_->movers();
 }
 
 sensor::Rig Simulation::rig() const {

@@ -12,6 +12,7 @@
 #include "mmlins/sim/imu_model.hpp"
 #include "mmlins/sim/lidar_model.hpp"
 #include "mmlins/sim/motion.hpp"
+#include "mmlins/sim/moving_world.hpp"
 #include "mmlins/sim/world.hpp"
 
 namespace mmlins::sim {
@@ -59,10 +60,13 @@ class Simulation : public sensor::Dataset {
   [[nodiscard]] ImuBias bias(Time time) const;
   /// Poses of the IMU from start to end.
   [[nodiscard]] math::Trajectory truth(double rate_hz = 100.0) const;
-  /// What a ray in the world meets.
+  /// What a ray in the world meets of all that stands still.
   [[nodiscard]] std::optional<Hit> cast(const Ray& ray_world, double max_range) const;
-  /// Distance of a point from a surface named by scan_truth() [m].
-  [[nodiscard]] double distance_to_surface(const math::Vector3d& p_world, int surface) const;
+  /// Distance of a point from a surface named by scan_truth(), at the time of the point [m].
+  [[nodiscard]] double distance_to_surface(const math::Vector3d& p_world, int surface,
+                                           Time time = Time{}) const;
+  /// People and cars; their places are in the frame of the scene.
+  [[nodiscard]] const std::vector<Mover>& movers() const;
   /// The description that a user of such a recording would have.
   [[nodiscard]] sensor::Rig rig() const;
 
@@ -77,6 +81,7 @@ class Simulation : public sensor::Dataset {
   math::SE3 T_world_scene_;
   std::unique_ptr<Motion> motion_;  // in the scene
   std::unique_ptr<World> world_;
+  const MovingWorld* moving_ = nullptr;  // the world, if anything moves in it
   ImuModel imu_;
   LidarModel lidar_;
   degrade::ScanDegrader degrader_;

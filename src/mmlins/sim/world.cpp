@@ -45,13 +45,13 @@ constexpr std::array<Scene, 12> kScenes{{{"hall", hall_route, hall_shapes},
 
 const Scene& scene_of(const WorldConfig& config) { return kScenes[static_cast<std::size_t>(config.scene)]; }
 
+}  // namespace
+
 std::vector<std::string> scene_names() {
   std::vector<std::string> names;
   for (const Scene& scene : kScenes) names.emplace_back(scene.name);
   return names;
 }
-
-}  // namespace
 
 ShapeWorld::ShapeWorld(std::vector<Shape> shapes, const Roughness& roughness)
     : bvh_(std::move(shapes)),
@@ -123,6 +123,9 @@ Fields WorldConfig::fields() {
       field("ground_waves", ground_waves, "m", {0.0, 0.3},
             "root mean square of the long waves of the ground"),
       field("clutter", clutter, "", {0.0, 3.0}, "number of loose objects, as a share of the usual"),
+      field("movers", movers, "", {0, 500}, "number of people and cars that move about"),
+      field("mover_speed", mover_speed, "m/s", {0.0, 30.0},
+            "of all of them; 0: people at 0.7 to 1.8 and cars at 5 to 12"),
   };
 }
 

@@ -28,6 +28,10 @@ class World {
   [[nodiscard]] virtual std::optional<Hit> cast(const Ray& ray, double max_range) const = 0;
   /// How far the point is from the given surface, unevenness included; positive in front of it [m].
   [[nodiscard]] virtual double distance(const math::Vector3d& p, int surface) const = 0;
+  /// The same at an instant [s after the start of the recording], for surfaces that move.
+  [[nodiscard]] virtual double distance_at(const math::Vector3d& p, int surface, double /*seconds*/) const {
+    return distance(p, surface);
+  }
 };
 
 enum class SceneKind {
@@ -45,6 +49,9 @@ enum class SceneKind {
   kCloud
 };
 
+/// The scenes by name, in the order of SceneKind.
+[[nodiscard]] std::vector<std::string> scene_names();
+
 struct WorldConfig {
   SceneKind scene = SceneKind::kHall;
   std::string file;
@@ -56,6 +63,8 @@ struct WorldConfig {
   double unevenness = 0.008;
   double ground_waves = 0.03;
   double clutter = 1.0;
+  int movers = 0;
+  double mover_speed = 0.0;
 
   [[nodiscard]] Fields fields();
   [[nodiscard]] math::SE3 T_world_scene() const;
