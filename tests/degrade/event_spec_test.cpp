@@ -28,6 +28,7 @@ TEST(EventSpec, TextIsReadAndAMissingSeverityIsTheUsualOne) {
 TEST(EventSpec, EveryKindReadsBackWhatIsWritten) {
   for (const KindInfo& info : event_kinds()) {
     EXPECT_EQ(info_of(info.kind).word, info.word) << "in the order of the enum";
+    if (info.moves_carrier) continue;
     const EventSpec event{info.kind, 0.1, 2.25, 0.0};
     const auto read = parse_event(to_text(event));
     ASSERT_TRUE(read.ok()) << read.error().message;
@@ -47,6 +48,24 @@ TEST(EventSpec, WrongTextsAreQuotedAndTheKindsListed) {
   EXPECT_EQ(error_of("bag:1:2s"), "event 'bag:1:2s': duration '2s' is not a number");
   EXPECT_EQ(error_of("bag:1:nan"), "event 'bag:1:nan': duration 'nan' is not a number");
   EXPECT_EQ(error_of("bag:1:2:0"), "event 'bag:1:2:0': the severity must be greater than 0");
+}
+
+TEST(EventSpec, WhatMovesTheCarrierIsRefusedForRecordings) {
+  for (const std::string kind : {"kidnap", "elevator"}) {
+    const std::string text = kind + ":1:5:3";
+    EXPECT_EQ(error_of(text),
+              "event '" + text + "': " + kind +
+                  " cannot be applied to a recording, because it moves the sensors; simulate it "
+                  "(mmlins simulate)");
+    EXPECT_EQ(list_of_kinds().find(kind), std::string::npos);
+  }
+}
+
+TEST(EventSpec, AnElevatorMayGoDown) {
+  const EventSpec down{EventKind::kElevator, 1.0, 8.0, -3.0};
+  EXPECT_EQ(down.effective_severity(), -3.0);
+  EXPECT_TRUE(validate(down, from_seconds(20.0), "x").ok());
+  EXPECT_FALSE(validate({EventKind::kKidnap, 1.0, 8.0, -3.0}, from_seconds(20.0), "x").ok());
 }
 
 TEST(EventSpec, EventsOutsideOfTheRecordingAreRefused) {

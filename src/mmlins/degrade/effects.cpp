@@ -169,7 +169,10 @@ std::vector<EffectPoint> apply_effect(const std::vector<EffectPoint>& points, co
   const double severity = context.event.effective_severity();
   switch (context.event.kind) {
     case EventKind::kBlackout:
+    case EventKind::kKidnap:
       return {};
+    case EventKind::kElevator:  // is in the world and the motion
+      return points;
     case EventKind::kBag:
     case EventKind::kTornBag:
       return bag(points, context);

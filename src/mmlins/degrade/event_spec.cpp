@@ -57,6 +57,8 @@ const std::vector<KindInfo>& event_kinds() {
       {EventKind::kVoxel, "voxel", "edge of the voxels", "m", 2.0, {0.01, 100.0}},
       {EventKind::kRangeCap, "range_cap", "farthest range", "m", 5.0, {0.1, 1000.0}},
       {EventKind::kPacketLoss, "packet_loss", "share of the packets that is lost", "", 1.0, {0.01, 1.0}},
+      {EventKind::kKidnap, "kidnap", "way along the course", "m", 10.0, {0.1, 1000.0}, true},
+      {EventKind::kElevator, "elevator", "rise", "m", 3.2, {-100.0, 100.0}, true},
   };
   return kinds;
 }
@@ -65,11 +67,13 @@ const KindInfo& info_of(EventKind kind) { return event_kinds()[static_cast<std::
 
 std::string list_of_kinds() {
   std::string list;
-  for (const KindInfo& info : event_kinds()) list += (list.empty() ? "" : ", ") + info.word;
+  for (const KindInfo& info : event_kinds()) {
+    if (!info.moves_carrier) list += (list.empty() ? "" : ", ") + info.word;
+  }
   return list;
 }
 
-double EventSpec::effective_severity() const { return severity > 0.0 ? severity : info_of(kind).usual; }
+double EventSpec::effective_severity() const { return severity != 0.0 ? severity : info_of(kind).usual; }
 
 Fields EventSpec::fields() {
   std::vector<std::string> words;
@@ -78,7 +82,7 @@ Fields EventSpec::fields() {
       field("kind", kind, words, "what happens"),
       field("start", start, "s", {0.0, kLongest}, "when it begins, after the start of the recording"),
       field("duration", duration, "s", {1e-3, kLongest}, "how long it lasts"),
-      field("severity", severity, "", {0.0, 1e6}, "how bad it is, in the unit of its kind; 0: as usual"),
+      field("severity", severity, "", {-1e6, 1e6}, "how bad it is, in the unit of its kind; 0: as usual"),
   };
 }
 
@@ -92,6 +96,13 @@ Result<EventSpec> parse_event(const std::string& text) {
   if (found == nullptr) {
     return make_error(ErrorCode::kInvalid, "event '{}': there is no kind '{}'; kinds are {}", text, parts[0],
                       list_of_kinds());
+  }
+  if (found->moves_carrier) {
+    return make_error(
+        ErrorCode::kUnsupported,
+        "event '{}': {} cannot be applied to a recording, because it moves the sensors; simulate "
+        "it (mmlins simulate)",
+        text, found->word);
   }
   event.kind = found->kind;
   if (parts.size() < 3 || parts.size() > 4) {

@@ -22,7 +22,9 @@ enum class EventKind {
   kThinTo,
   kVoxel,
   kRangeCap,
-  kPacketLoss
+  kPacketLoss,
+  kKidnap,
+  kElevator
 };
 
 /// What the severity of a kind means, its usual value and the accepted ones.
@@ -33,12 +35,13 @@ struct KindInfo {
   std::string unit;
   double usual = 1.0;
   FieldRange range;
+  bool moves_carrier = false;  ///< so that it cannot be applied to a recording, only simulated
 };
 
 /// All kinds in the order of the enum.
 [[nodiscard]] const std::vector<KindInfo>& event_kinds();
 [[nodiscard]] const KindInfo& info_of(EventKind kind);
-/// "bag, blackout, ...": for messages.
+/// "bag, blackout, ...": those that can be applied to a recording, for messages.
 [[nodiscard]] std::string list_of_kinds();
 
 /// One event; it holds for start <= time < start + duration.
@@ -55,7 +58,8 @@ struct EventSpec {
   [[nodiscard]] Duration end() const { return from_seconds(start) + from_seconds(duration); }
 };
 
-/// Reads "kind:start:duration[:severity]". Errors quote the text, and list the kinds if the kind is wrong.
+/// Reads "kind:start:duration[:severity]", for a recording. Errors quote the text, and list the kinds if the
+/// kind is wrong.
 [[nodiscard]] Result<EventSpec> parse_event(const std::string& text);
 
 /// Writes what parse_event reads.

@@ -73,7 +73,9 @@ DegradedSweep ScanDegrader::apply(const SweepView& sweep) const {
     const EffectContext context{events_[i], event_seed, sub_seed(event_seed, stamp), sweep_size};
     const bool had_points = !points.empty();
     points = with_effect(points, *sweep.times, recording_start_ + events_[i].begin(), context);
-    result.lost |= events_[i].kind == EventKind::kPacketLoss && had_points && points.empty();
+    const bool loses_sweeps =
+        events_[i].kind == EventKind::kPacketLoss || events_[i].kind == EventKind::kKidnap;
+    result.lost |= loses_sweeps && had_points && points.empty();
   }
   for (const EffectPoint& point : points) {
     const Eigen::Vector3f& before = (*sweep.points)[point.index];

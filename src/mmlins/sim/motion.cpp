@@ -6,6 +6,7 @@
 #include <numbers>
 #include <optional>
 
+#include "mmlins/sim/rides.hpp"
 #include "mmlins/sim/travel_clock.hpp"
 
 namespace mmlins::sim {
@@ -60,12 +61,18 @@ Ellipse make_ellipse(const TrajectoryConfig& config) {
   return {a, b, 2.0 * kPi * config.speed / perimeter};
 }
 
+math::Vector3d place_of(const PathPoint& point) { return {point.x.value, point.y.value, point.z.value}; }
+
 // A closed path in the plane, travelled with swaying, bobbing and looking around.
 class LoopMotion : public Motion {
  public:
   /// @param config  resolved
-  LoopMotion(const TrajectoryConfig& config, const Route& route)
-      : config_(config), clock_(config, config.stops), ellipse_(make_ellipse(config)) {
+  LoopMotion(const TrajectoryConfig& config, const Route& route,
+             const std::vector<degrade::EventSpec>& events)
+      : config_(config),
+        clock_(config, all_stops(config.stops, events)),
+        rides_(events),
+        ellipse_(make_ellipse(config)) {
     if (config.style == PathStyle::kRoute) {
       Route course = route;
       if (config.reverse) {
@@ -76,14 +83,15 @@ class LoopMotion : public Motion {
     } else if (config.reverse) {
       ellipse_.semi_axis_y = -ellipse_.semi_axis_y;
     }
+    rides_.measure_kidnaps(clock_, [this](double path_time) {
+      return place_of(path_at({path_time, 0.0, 0.0}));
+    });
   }
 
   Kinematics at(double seconds) const override {
     const Jet travelled = clock_.at(seconds);
-    const double lap_time = course_ ? course_->lap_time() : ellipse_.lap_time();
-    const Jet on_path = travelled + config_.start_lap * lap_time;
-    const PathPoint path = course_ ? course_->at(on_path) : ellipse_.at(on_path);
-    const Jet z = height(travelled) + path.z;
+    const PathPoint path = path_at(travelled + rides_.time_gained(seconds));
+    const Jet z = height(travelled) + path.z + rides_.rise(seconds);
     const Attitude attitude = attitude_at(travelled, path.heading);
     return {{rotation_of(attitude), {path.x.value, path.y.value, z.value}},
             {path.x.rate, path.y.rate, z.rate},
@@ -92,6 +100,12 @@ class LoopMotion : public Motion {
   }
 
  private:
+  PathPoint path_at(const Jet& path_time) const {
+    const double lap_time = course_ ? course_->lap_time() : ellipse_.lap_time();
+    const Jet on_path = path_time + config_.start_lap * lap_time;
+    return course_ ? course_->at(on_path) : ellipse_.at(on_path);
+  }
+
   Jet height(const Jet& travelled) const {
     return oscillation(config_.rise, 0.07, 0.4, travelled) +
            oscillation(config_.bob, config_.bob_hz, 0.0, travelled) + config_.height;
@@ -108,6 +122,7 @@ class LoopMotion : public Motion {
 
   TrajectoryConfig config_;
   TravelClock clock_;
+  Rides rides_;
   Ellipse ellipse_;
   std::optional<Course> course_;
 };
@@ -119,15 +134,16 @@ Kinematics transformed(const math::SE3& T_new_old, const Kinematics& old) {
           old.angular_rate_imu};
 }
 
-std::unique_ptr<Motion> make_motion(const TrajectoryConfig& config, const Route& scene_route) {
+std::unique_ptr<Motion> make_motion(const TrajectoryConfig& config, const Route& scene_route,
+                                    const std::vector<degrade::EventSpec>& events) {
   const TrajectoryConfig resolved = config.resolved();
-  if (config.route.empty()) return std::make_unique<LoopMotion>(resolved, scene_route);
+  if (config.route.empty()) return std::make_unique<LoopMotion>(resolved, scene_route, events);
   Route own;
   for (const RouteCorner& corner : config.route) {
     own.corners.emplace_back(corner.x, corner.y);
     own.heights.push_back(corner.z);
   }
-  return std::make_unique<LoopMotion>(resolved, own);
+  return std::make_unique<LoopMotion>(resolved, own, events);
 }
 
 }  // namespace mmlins::sim

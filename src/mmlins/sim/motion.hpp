@@ -4,7 +4,9 @@
 // closed form, so that an ideal IMU on them is exact.
 
 #include <memory>
+#include <vector>
 
+#include "mmlins/degrade/event_spec.hpp"
 #include "mmlins/math/se3.hpp"
 #include "mmlins/sim/course.hpp"
 #include "mmlins/sim/trajectory_config.hpp"
@@ -32,6 +34,8 @@ class Motion {
 
 /// @param scene_route  the course that the scene offers, used by PathStyle::kRoute unless the config has its
 /// own
-[[nodiscard]] std::unique_ptr<Motion> make_motion(const TrajectoryConfig& config, const Route& scene_route);
+/// @param events  of which kidnaps and elevators move the carrier
+[[nodiscard]] std::unique_ptr<Motion> make_motion(const TrajectoryConfig& config, const Route& scene_route,
+                                                  const std::vector<degrade::EventSpec>& events = {});
 
 }  // namespace mmlins::sim

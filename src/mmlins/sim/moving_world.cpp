@@ -9,14 +9,33 @@ namespace mmlins::sim {
 namespace {
 
 constexpr int kMostShapes = 8;  // of a mover
+constexpr int kSurfacesPerCabin = 1000;
 constexpr int kSurfacesPerMover = kMostShapes * kFacesPerShape;
 
 }  // namespace
 
-MovingWorld::MovingWorld(std::unique_ptr<World> still, std::vector<Mover> movers)
-    : still_(std::move(still)), movers_(std::move(movers)) {}
+MovingWorld::MovingWorld(std::unique_ptr<World> still, std::vector<Mover> movers, std::vector<Cabin> cabins)
+    : still_(std::move(still)), movers_(std::move(movers)), cabins_(std::move(cabins)) {}
 
 std::optional<Hit> MovingWorld::cast(const Ray& ray, double max_range) const {
+  for (std::size_t i = 0; i < cabins_.size(); ++i) {
+    if (cabins_[i].is_there(ray.time)) return cast_from_cabin(i, ray, max_range);
+  }
+  return cast_outside(ray, max_range);
+}
+
+std::optional<Hit> MovingWorld::cast_from_cabin(std::size_t cabin, const Ray& ray, double max_range) const {
+  Cabin::Sight sight = cabins_[cabin].cast(ray, max_range);
+  if (sight.hit) sight.hit->surface += kFirstCabinSurface + static_cast<int>(cabin) * kSurfacesPerCabin;
+  if (!sight.leaves_at) return sight.hit;
+  Ray onward = ray;
+  onward.origin += *sight.leaves_at * ray.direction;
+  auto hit = cast_outside(onward, max_range - *sight.leaves_at);
+  if (hit) hit->range += *sight.leaves_at;
+  return hit;
+}
+
+std::optional<Hit> MovingWorld::cast_outside(const Ray& ray, double max_range) const {
   auto best = still_->cast(ray, max_range);
   double limit = best ? best->range : max_range;
   const MoverInstant now = mover_instant(ray.time);
@@ -44,6 +63,11 @@ double MovingWorld::distance(const math::Vector3d& p, int surface) const {
 
 double MovingWorld::distance_at(const math::Vector3d& p, int surface, double seconds) const {
   if (surface < kFirstMoverSurface) return still_->distance_at(p, surface, seconds);
+  if (surface >= kFirstCabinSurface) {
+    const int of_cabins = surface - kFirstCabinSurface;
+    const auto cabin = static_cast<std::size_t>(of_cabins / kSurfacesPerCabin);
+    return cabins_[cabin].distance_at(p, of_cabins % kSurfacesPerCabin, seconds);
+  }
   const int number = surface - kFirstMoverSurface;
   const Mover& mover = movers_[static_cast<std::size_t>(number / kSurfacesPerMover)];
   const auto place = mover.place(mover_instant(seconds));

@@ -2,6 +2,7 @@
 #include "mmlins/sim/open_simulation.hpp"
 
 #include "mmlins/sim/cloud_world.hpp"
+#include "mmlins/sim/rides.hpp"
 
 namespace mmlins::sim {
 
@@ -17,12 +18,15 @@ Status check_path(const Simulation& simulation, const std::string& source) {
   for (std::size_t i = 0; i + 1 < truth.size(); ++i) {
     const math::Vector3d here = truth[i].pose.t;
     const math::Vector3d step = truth[i + 1].pose.t - here;
+    // An elevator passes through floors.
+    const double seconds = to_seconds(truth[i].time - simulation.start_time());
+    if (holds(simulation.config().events, degrade::EventKind::kElevator, seconds)) continue;
     if (step.norm() < kSmallestStep || !simulation.cast({here, step.normalized()}, step.norm())) continue;
     return make_error(
         ErrorCode::kInvalid,
         "{}: the trajectory leads through a surface after {:.1f} s, at x {:.1f} y {:.1f} z {:.1f} m of "
         "the world; choose another course, size or height",
-        source, to_seconds(truth[i].time - simulation.start_time()), here.x(), here.y(), here.z());
+        source, seconds, here.x(), here.y(), here.z());
   }
   return {};
 }

@@ -6,6 +6,7 @@
 
 #include "mmlins/sim/mover_planner.hpp"
 #include "mmlins/sim/random.hpp"
+#include "mmlins/sim/rides.hpp"
 #include "mmlins/sim/travel_clock.hpp"
 
 namespace mmlins::sim {
@@ -15,6 +16,7 @@ namespace {
 constexpr Time kStart = time_from_ns(1'700'000'000'000'000'000);
 constexpr Duration kFirstScan{53'000'000};  // the LiDAR does not wake up together with the IMU
 constexpr double kPathStep = 0.1;           // between the places that loose objects leave free [s]
+constexpr double kQuickPathStep = 0.02;     // the same for carriers that are kidnapped [s]
 
 enum RandomPart : std::uint64_t { kImu, kLidar, kEvents };
 
@@ -23,11 +25,15 @@ std::uint64_t part_seed(const SimulationConfig& config, RandomPart part) {
 }
 
 // Where the carrier passes, thinned to places at least a little apart.
-Polygon places_passed(const Motion& motion, double duration) {
+Polygon places_passed(const Motion& motion, const SimulationConfig& config) {
   constexpr double kApart = 0.15;  // [m]
   constexpr std::size_t kMostPlaces = 20'000;
+  const bool is_kidnapped = std::any_of(config.events.begin(), config.events.end(), [](const auto& event) {
+    return event.kind == degrade::EventKind::kKidnap;
+  });
+  const double step = is_kidnapped ? kQuickPathStep : kPathStep;
   Polygon places;
-  for (double t = 0.0; t < duration && places.size() < kMostPlaces; t += kPathStep) {
+  for (double t = 0.0; t < config.duration && places.size() < kMostPlaces; t += step) {
     const Eigen::Vector2d place = motion.at(t).T_world_imu.t.head<2>();
     if (places.empty() || (place - places.back()).norm() > kApart) places.push_back(place);
   }
@@ -78,8 +84,10 @@ Status validate(const SimulationConfig& config, const std::string& source) {
         "{}: trajectory.stand_still ({} s) must be shorter than duration ({} s), or nothing moves", source,
         config.trajectory.stand_still, config.duration);
   }
-  return validate_stops(config.trajectory.resolved(), config.trajectory.stops, config.duration,
-                        source + ": trajectory.stops");
+  const auto& p = config.sensor.p_imu_lidar;
+  if (const Status status = validate_rides(config.events, {p[0], p[1], p[2]}, source); !status) return status;
+  return validate_stops(config.trajectory.resolved(), all_stops(config.trajectory.stops, config.events),
+                        config.duration, source + ": trajectory.stops");
 }
 
 Simulation::Simulation(const SimulationConfig& config) : Simulation(config, nullptr) {}
@@ -87,14 +95,19 @@ Simulation::Simulation(const SimulationConfig& config) : Simulation(config, null
 Simulation::Simulation(const SimulationConfig& config, std::unique_ptr<World> world)
     : config_(config),
       T_world_scene_(config.world.T_world_scene()),
-      motion_(make_motion(config.trajectory, scene_route(config.world))),
-      world_(world ? std::move(world) : make_world(config.world, places_passed(*motion_, config.duration))),
+      motion_(make_motion(config.trajectory, scene_route(config.world), config.events)),
+      world_(world ? std::move(world) : make_world(config.world, places_passed(*motion_, config))),
       imu_(config.imu, part_seed(config, kImu), from_seconds(config.duration)),
       lidar_(config.sensor, part_seed(config, kLidar)),
       degrader_(config.events, kStart, {part_seed(config, kEvents), config.sensor.nearest()}) {
   std::vector<Mover> movers = plan_movers(config.world, *world_, *motion_, config.duration);
-  if (movers.empty()) return;
-  auto moving = std::make_unique<MovingWorld>(std::move(world_), std::move(movers));
+  std::vector<Cabin> cabins;
+  for (const degrade::EventSpec& event : config.events) {
+    if (event.kind == degrade::EventKind::kElevator)
+      cabins.emplace_back(event, *motion_, config.trajectory, config.world.unevenness);
+  }
+  if (movers.empty() && cabins.empty()) return;
+  auto moving = std::make_unique<MovingWorld>(std::move(world_), std::move(movers), std::move(cabins));
   moving_ = moving.get();
   world_ = std::move(moving);
 }
@@ -108,6 +121,7 @@ Result<sensor::Item> Simulation::next() {
     if (imu_time <= std::min(length, scan_recorded)) {
       const std::int64_t index = next_imu_++;
       if (imu_.is_dropped(index)) continue;
+      if (holds(config_.events, degrade::EventKind::kKidnap, to_seconds(imu_time))) continue;
       sensor::ImuSample sample = imu_.sample(*motion_, index);
       sample.time = kStart + sample.time.time_since_epoch();
       record_time_ = kStart + imu_time;
