@@ -62,7 +62,7 @@ TEST(BagRun, PointsThatAreNotFiniteAreLeftOutAndDoNoHarm) {
   }
   EXPECT_EQ(result.scans[39].cause, odometry::Cause::kNoPoints);
   EXPECT_EQ(result.scans[40].cause, odometry::Cause::kNoPoints);
-  for (const Eigen::Vector3f& point : result.map.points_odom()) ASSERT_TRUE(point.allFinite());
+  for (const Eigen::Vector3f& point : result.map.points_map()) ASSERT_TRUE(point.allFinite());
   // As in slam_system_test.cpp: far more than it errs by, far less than when it is lost.
   EXPECT_LT(error_at(result, result.scans.back()), 0.15);
 }

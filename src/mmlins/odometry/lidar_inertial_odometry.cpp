@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "mmlins/odometry/lidar_inertial_odometry.hpp"
 
+#include <algorithm>
+#include <numbers>
 #include <utility>
 
 #include "mmlins/base/log.hpp"
@@ -23,13 +25,91 @@ LidarInertialOdometry::Output LidarInertialOdometry::add_scan(ScanPointer scan) 
     return output;
   }
   if (tracker_) {
-    output.results.push_back(tracker_->track(std::move(scan), imu_));
-    imu_.forget_before(tracker_->estimate().state.time);
+    output.results.push_back(track(scan));
     return output;
   }
   waiting_.push_back(std::move(scan));
   output.results = try_to_start(config_);
   return output;
+}
+
+ScanResult LidarInertialOdometry::track(const ScanPointer& scan) {
+  ScanResult result = tracker_->track(scan, imu_);
+  if (result.state == TrackingState::kBridging) {
+    look_for_a_way_on(scan, result);
+  } else {
+    if (asleep_) log::info("back in map {}", maps_.back().id);
+    asleep_ = false;
+    restart_.reset();
+    unexplained_since_.reset();
+    maps_.back().last_believed = result.time;
+    maps_.back().why_ended = Cause::kNone;
+  }
+  result.map_id = maps_.back().id;
+  const Time trial_needs = restart_ ? restart_->tracker().needs_imu_since() : result.time;
+  imu_.forget_before(std::min(tracker_->needs_imu_since(), trial_needs));
+  return result;
+}
+
+void LidarInertialOdometry::look_for_a_way_on(const ScanPointer& scan, ScanResult& result) {
+  const ScanTracker::Drift drift = tracker_->drift();
+  if (!asleep_ && (drift.position > config_.restart.max_drift ||
+                   drift.rotation > config_.restart.max_drift_deg * std::numbers::pi / 180.0)) {
+    fall_asleep(result.cause);
+  }
+  if (asleep_) result.state = TrackingState::kLost;
+  if (result.num_keypoints < config_.matching.min_matches) {
+    restart_.reset();
+    unexplained_since_.reset();
+    return;
+  }
+  if (!unexplained_since_) unexplained_since_ = result.time;
+  const bool collapsed = tracker_->is_collapsed(result);
+  if (!restart_) {
+    if (!asleep_ && result.time - *unexplained_since_ < from_seconds(config_.restart.unexplained)) return;
+    restart_ = std::make_unique<Restart>(config_, rig_, tracker_->estimate(), tracker_->T_odom_map());
+    return;
+  }
+  switch (restart_->add(scan, imu_, collapsed)) {
+    case Restart::Progress::kOnTrial:
+      if (asleep_) result.state = TrackingState::kRelocating;
+      break;
+    case Restart::Progress::kFailed: restart_.reset(); break;
+    case Restart::Progress::kProven:
+      if (!asleep_) fall_asleep(result.cause);
+      result.state = TrackingState::kRelocating;
+      wake_in_new_map();
+      result.estimate = tracker_->estimate();
+      result.T_odom_map = tracker_->T_odom_map();
+      break;
+  }
+}
+
+void LidarInertialOdometry::fall_asleep(Cause cause) {
+  asleep_ = true;
+  maps_.back().why_ended = cause;
+  log::warning("map {} falls asleep at {:.3f} s: {}", maps_.back().id,
+               to_seconds(tracker_->estimate().state.time.time_since_epoch()), to_string(cause));
+}
+
+void LidarInertialOdometry::wake_in_new_map() {
+  const imu::Estimate& last = tracker_->last_trusted();
+  const imu::Estimate& first = restart_->begin();
+  GapEdge gap{maps_.back().id, last.state.time, first.state.time,
+              last.state.T_odom_imu().inverse() * first.state.T_odom_imu(), first.P.topLeftCorner<6, 6>()};
+  math::Matrix6d to_body = math::Matrix6d::Identity();
+  to_body.bottomRightCorner<3, 3>() = first.state.R_odom_imu.transpose();
+  gap.covariance = to_body * gap.covariance * to_body.transpose();
+  const Time now = restart_->tracker().estimate().state.time;
+  maps_.push_back({static_cast<int>(maps_.size()), MapBeginning::kAfterGap, first.state.time, now, Cause::kNone, gap,
+                   maps_.back().T_first_map});
+  const math::SE3 T_odom_imu = tracker_->estimate().state.T_odom_imu();
+  tracker_ = restart_->take();
+  tracker_->call_the_pose(T_odom_imu);
+  restart_.reset();
+  unexplained_since_.reset();
+  asleep_ = false;
+  log::info("map {} begins at {:.3f} s", maps_.back().id, to_seconds(first.state.time.time_since_epoch()));
 }
 
 std::vector<ScanResult> LidarInertialOdometry::finish() {
@@ -48,7 +128,9 @@ std::vector<ScanResult> LidarInertialOdometry::try_to_start(const OdometryConfig
   log::info("started {} after {:.1f} s", start->at_rest ? "at rest" : "in motion", window);
   tracker_ = std::move(start->tracker);
   waiting_.clear();
-  imu_.forget_before(tracker_->estimate().state.time);
+  maps_.push_back({0, start->at_rest ? MapBeginning::kAtRest : MapBeginning::kInMotion, start->results.front().time,
+                   start->results.back().time, Cause::kNone, std::nullopt, {}});
+  imu_.forget_before(tracker_->needs_imu_since());
   return std::move(start->results);
 }
 

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 // The odometry as its users see it: IMU samples and scans go in, one result per scan comes out. The
-// first results wait until the start has been found; after that none does.
+// first results wait until the start has been found; after that none does. Where the pose is lost, the map falls
+// asleep, the IMU carries the pose on, and a new map begins as soon as one can be believed.
 
+#include <memory>
+#include <optional>
 #include <vector>
 
+#include "mmlins/odometry/map_record.hpp"
+#include "mmlins/odometry/restart.hpp"
 #include "mmlins/odometry/startup.hpp"
 
 namespace mmlins::odometry {
@@ -31,14 +36,26 @@ class LidarInertialOdometry {
   /// No more scans will come: starts with what there is, if it has not started yet.
   [[nodiscard]] std::vector<ScanResult> finish();
 
+  /// All maps so far, in order; the last one is awake unless the pose is lost.
+  [[nodiscard]] const std::vector<MapRecord>& maps() const { return maps_; }
+
  private:
+  [[nodiscard]] ScanResult track(const ScanPointer& scan);
+  /// What to do with a scan that the active map does not explain; changes the result's state.
+  void look_for_a_way_on(const ScanPointer& scan, ScanResult& result);
+  void fall_asleep(Cause cause);
+  void wake_in_new_map();
   [[nodiscard]] std::vector<ScanResult> try_to_start(const OdometryConfig& config);
 
   OdometryConfig config_;
   sensor::Rig rig_;
   sensor::ImuBuffer imu_;
   std::vector<ScanPointer> waiting_;
-  std::unique_ptr<ScanTracker> tracker_;
+  std::unique_ptr<ScanTracker> tracker_;  ///< of the active map; while that sleeps, the IMU's, ready to return
+  std::unique_ptr<Restart> restart_;      ///< a new map on trial, if there is one
+  std::optional<Time> unexplained_since_;
+  bool asleep_ = false;
+  std::vector<MapRecord> maps_;
 };
 
 }  // namespace mmlins::odometry

@@ -40,7 +40,14 @@ constexpr double kMaxGate = 3.0;
 
 }  // namespace
 
-LidarMeasurement::LidarMeasurement(const std::vector<Eigen::Vector3f>& keypoints_imu, const spatial::LocalMap& map,
+spatial::PlaneMatch PlacedMap::match(const Eigen::Vector3d& p_odom, double gate) const {
+  spatial::PlaneMatch match = map.match(T_map_odom * p_odom, gate);
+  match.normal = T_map_odom.R.transpose() * match.normal;
+  match.widest = T_map_odom.R.transpose() * match.widest;
+  return match;
+}
+
+LidarMeasurement::LidarMeasurement(const std::vector<Eigen::Vector3f>& keypoints_imu, const PlacedMap& map,
                                    const MatchingConfig& config, const BeamNoise& noise)
     : keypoints_imu_(keypoints_imu),
       map_(map),

@@ -19,10 +19,20 @@ struct BeamNoise {
   Eigen::Vector3d p_imu_lidar = Eigen::Vector3d::Zero();   ///< where the beams come from [m]
 };
 
+/// A map and where it lies: its frame is that of odom until a return into it, which must not let odom jump.
+struct PlacedMap {
+  PlacedMap(const spatial::LocalMap& local_map, const math::SE3& T = {}) : map(local_map), T_map_odom(T) {}
+  /// The plane near a point of odom, in the coordinates of odom.
+  [[nodiscard]] spatial::PlaneMatch match(const Eigen::Vector3d& p_odom, double gate) const;
+
+  const spatial::LocalMap& map;
+  math::SE3 T_map_odom;
+};
+
 class LidarMeasurement {
  public:
   /// @param keypoints_imu  points in the IMU frame; map and points must outlive the measurement
-  LidarMeasurement(const std::vector<Eigen::Vector3f>& keypoints_imu, const spatial::LocalMap& map,
+  LidarMeasurement(const std::vector<Eigen::Vector3f>& keypoints_imu, const PlacedMap& map,
                    const MatchingConfig& config, const BeamNoise& noise);
 
   /// Matches every keypoint from `state` and linearises. Eqs. (15)-(19).
@@ -40,7 +50,7 @@ class LidarMeasurement {
   void count_sharers();
 
   const std::vector<Eigen::Vector3f>& keypoints_imu_;
-  const spatial::LocalMap& map_;
+  PlacedMap map_;
   MatchingConfig config_;
   BeamNoise noise_;
   std::vector<spatial::PlaneMatch> matches_;

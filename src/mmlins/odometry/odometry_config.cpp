@@ -31,6 +31,8 @@ Fields MatchingConfig::fields() {
       field("gate_sigmas", gate_sigmas, "", {1.0, 20.0},
             "a residual beyond this many standard deviations, predicted from noise, map and state, is no match"),
       field("huber_sigmas", huber_sigmas, "", {0.5, 20.0}, "residuals beyond this many standard deviations count linearly"),
+      field("soften_weak_directions", soften_weak_directions,
+            "leave directions whose information noisy normals feign to the IMU"),
   };
 }
 
@@ -63,6 +65,23 @@ Fields StartConfig::fields() {
   };
 }
 
+Fields RestartConfig::fields() {
+  return {
+      field("max_drift", max_drift, "m", {0.0, 1000.0},
+            "without a match the map falls asleep when the pose may have drifted by this standard deviation"),
+      field("max_drift_deg", max_drift_deg, "deg", {0.0, 180.0}, "the same for rotation"),
+      field("unexplained", unexplained, "s", {0.0, 60.0},
+            "a new map is tried after this much of seeing what the old one does not explain, even within the budget"),
+      field("trial", trial, "s", {0.2, 60.0}, "a new map must prove itself for this long"),
+      field("patience", patience, "s", {0.2, 600.0}, "after this much of not proving itself the trial begins anew"),
+      field("max_speed_deviation", max_speed_deviation, "m/s", {0.001, 100.0}, "by then velocity must be known this well"),
+      field("max_tilt_deviation_deg", max_tilt_deviation_deg, "deg", {0.01, 90.0}, "and the direction of gravity this well"),
+      field("confirming_motion", confirming_motion, "m", {0.0, 100.0},
+            "under what looks like a cover, the scans must see the robot travel this far"),
+      field("confirming_turn_deg", confirming_turn_deg, "deg", {0.0, 180.0}, "or turn by this angle"),
+  };
+}
+
 Fields OdometryConfig::fields() {
   return {
       group("imu", imu, "how much the IMU is trusted"),
@@ -70,6 +89,8 @@ Fields OdometryConfig::fields() {
       group("matching", matching, "matching of a scan against the map"),
       group("map", map, "the local map that scans are matched against"),
       group("start", start, "the first seconds"),
+      group("trust", trust, "when a match is believed"),
+      group("restart", restart, "when a map falls asleep and a new one begins"),
       group("observability", observability, "when a direction counts as weak"),
   };
 }

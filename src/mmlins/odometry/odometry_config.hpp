@@ -4,6 +4,7 @@
 
 #include "mmlins/base/config_fields.hpp"
 #include "mmlins/degeneracy/observability.hpp"
+#include "mmlins/odometry/trust.hpp"
 #include "mmlins/spatial/knn_map.hpp"
 #include "mmlins/spatial/plane_map.hpp"
 
@@ -34,6 +35,7 @@ struct MatchingConfig {
   int min_matches = 50;
   double gate_sigmas = 3.0;
   double huber_sigmas = 1.0;
+  bool soften_weak_directions = false;
 
   [[nodiscard]] Fields fields();
 };
@@ -65,12 +67,29 @@ struct StartConfig {
   [[nodiscard]] Fields fields();
 };
 
+/// When the map falls asleep, and what a new one has to prove.
+struct RestartConfig {
+  double max_drift = 1.0;
+  double max_drift_deg = 5.0;
+  double unexplained = 1.0;
+  double trial = 1.0;
+  double patience = 3.0;
+  double max_speed_deviation = 0.1;
+  double max_tilt_deviation_deg = 1.0;
+  double confirming_motion = 0.5;
+  double confirming_turn_deg = 15.0;
+
+  [[nodiscard]] Fields fields();
+};
+
 struct OdometryConfig {
   ImuModelConfig imu;
   ScanConfig scan;
   MatchingConfig matching;
   LocalMapConfig map;
   StartConfig start;
+  TrustConfig trust;
+  RestartConfig restart;
   degeneracy::ObservabilityConfig observability;
 
   [[nodiscard]] Fields fields();

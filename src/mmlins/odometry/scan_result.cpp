@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "mmlins/odometry/scan_result.hpp"
 
+#include "mmlins/odometry/map_record.hpp"
+
 namespace mmlins::odometry {
+
+bool is_placed(TrackingState state) {
+  return state == TrackingState::kInitializing || state == TrackingState::kTracking || state == TrackingState::kDegraded;
+}
 
 std::string_view to_string(TrackingState state) {
   switch (state) {
@@ -9,6 +15,17 @@ std::string_view to_string(TrackingState state) {
     case TrackingState::kTracking: return "TRACKING";
     case TrackingState::kDegraded: return "DEGRADED";
     case TrackingState::kBridging: return "BRIDGING";
+    case TrackingState::kLost: return "LOST";
+    case TrackingState::kRelocating: return "RELOCATING";
+  }
+  return "";
+}
+
+std::string_view to_string(MapBeginning beginning) {
+  switch (beginning) {
+    case MapBeginning::kAtRest: return "at rest";
+    case MapBeginning::kInMotion: return "in motion";
+    case MapBeginning::kAfterGap: return "after a gap";
   }
   return "";
 }
@@ -17,8 +34,10 @@ std::string_view to_string(Cause cause) {
   switch (cause) {
     case Cause::kNone: return "";
     case Cause::kNoPoints: return "no points";
+    case Cause::kBlocked: return "blocked";
     case Cause::kTooFewMatches: return "too few matches";
     case Cause::kWeakDirections: return "weak directions";
+    case Cause::kImuDisagrees: return "IMU and LiDAR disagree";
     case Cause::kImuGap: return "IMU gap";
   }
   return "";

@@ -16,17 +16,23 @@ enum class TrackingState {
   kInitializing,  ///< part of the window from which the start was found
   kTracking,      ///< matched against the map, in all six directions
   kDegraded,      ///< matched, but the scan leaves directions to the IMU
-  kBridging,      ///< not matched: the IMU alone carried the pose here
+  kBridging,      ///< not matched: the IMU carried the pose here, and its drift is still within the budget
+  kLost,          ///< the budget is spent, the map sleeps; the IMU goes on carrying the pose
+  kRelocating,    ///< the map sleeps, but the LiDAR sees again: a new map is on trial
 };
 
 enum class Cause {
   kNone,
   kNoPoints,        ///< the scan is empty within the range gate
+  kBlocked,         ///< the scan has collapsed to what is near, or to few points, and the map does not explain it
   kTooFewMatches,   ///< there are points, but the map does not explain them
   kWeakDirections,  ///< the geometry does not determine all six directions; see observability
+  kImuDisagrees,    ///< the scan matches, but moves otherwise than the IMU feels: what it shows moves along
   kImuGap,          ///< matched, but the IMU was silent for part of the way
 };
 
+/// Whether the scan was matched, so that its points may be drawn where the pose says.
+[[nodiscard]] bool is_placed(TrackingState state);
 [[nodiscard]] std::string_view to_string(TrackingState state);
 [[nodiscard]] std::string_view to_string(Cause cause);
 
@@ -44,7 +50,9 @@ struct StageTimes {
 
 struct ScanResult {
   Time time;                 ///< end of the scan; the pose is the one at this time
-  imu::Estimate estimate;    ///< T_odom_imu, velocity, biases, and their covariance
+  int map_id = 0;            ///< the map that the scan belongs to, or that fell asleep last
+  math::SE3 T_odom_map;      ///< where that map lies; odom itself never jumps
+  imu::Estimate estimate;    ///< T_odom_imu, velocity, biases; the covariance is that against the map
   TrackingState state = TrackingState::kInitializing;
   Cause cause = Cause::kNone;
   int num_points = 0;        ///< within the range gate
@@ -52,6 +60,10 @@ struct ScanResult {
   int num_matches = 0;
   int iterations = 0;
   double residual_rms = 0.0;             ///< of the matches, point to plane [m]
+  double median_range = 0.0;             ///< of the scan [m]
+  double explained = 0.0;                ///< share of the keypoints that match the map
+  double disagreement = 0.0;             ///< of IMU and LiDAR about the motion of the last second [m]
+  double disagreement_rotation = 0.0;    ///< the same for rotation [rad]
   std::shared_ptr<const sensor::LidarScan> scan;
   std::shared_ptr<const lidar::Cloud> cloud_imu;  ///< straightened scan in the IMU frame at `time`
   degeneracy::Observability observability;  ///< of the matches; all zero without an update

@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "mmlins/odometry/scan_tracker.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "mmlins/base/check.hpp"
 #include "mmlins/base/stopwatch.hpp"
+#include "mmlins/degeneracy/disagreement.hpp"
+#include "mmlins/degeneracy/soft_treatment.hpp"
+#include "mmlins/imu/frame_change.hpp"
 #include "mmlins/lidar/voxel_downsample.hpp"
 #include "mmlins/odometry/lidar_measurement.hpp"
 
@@ -24,33 +30,60 @@ imu::ImuNoise imu_noise(const ImuModelConfig& config, const sensor::Rig& rig) {
           config.bias_walk_factor * rig.gyro_bias_walk, config.bias_walk_factor * rig.accel_bias_walk};
 }
 
-struct Evidence {
-  bool trusted = false;  ///< matched, or the first scan of the map
-  bool imu_gap = false;
-};
+double largest_deviation(const imu::ErrorMatrix& P, int block) {
+  const Eigen::SelfAdjointEigenSolver<math::Matrix3d> solver(P.block<3, 3>(block, block), Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, solver.eigenvalues()(2)));
+}
 
-/// State and cause from what is known of the scan.
-void judge(ScanResult& result, const Evidence& evidence) {
-  if (!evidence.trusted) {
+/// Median range of the cloud, from a part of its points [m].
+double median_range(const lidar::Cloud& cloud) {
+  constexpr std::size_t kStride = 16;
+  if (cloud.size() == 0) return 0.0;
+  std::vector<float> squared;
+  squared.reserve(cloud.size() / kStride + 1);
+  for (std::size_t i = 0; i < cloud.size(); i += kStride) squared.push_back(cloud.points[i].squaredNorm());
+  const auto middle = squared.begin() + static_cast<std::ptrdiff_t>(squared.size() / 2);
+  std::nth_element(squared.begin(), middle, squared.end());
+  return std::sqrt(*middle);
+}
+
+/// How far the update moved the pose, against the doubt of the prediction. The floor keeps a prediction that is
+/// sure of itself from calling the LiDAR's own errors a contradiction [rad], [m].
+double return_chi2(const imu::Estimate& updated, const imu::Estimate& predicted, const math::Matrix6d& H) {
+  constexpr double kRotationFloor = 0.01;
+  constexpr double kPositionFloor = 0.05;
+  math::Matrix6d P = predicted.P.topLeftCorner<6, 6>();
+  P.diagonal().head<3>().array() += kRotationFloor * kRotationFloor;
+  P.diagonal().tail<3>().array() += kPositionFloor * kPositionFloor;
+  return degeneracy::innovation_chi2(imu::minus(updated.state, predicted.state).head<6>(), P, H);
+}
+
+void set_state(ScanResult& result, const Verdict& verdict, bool has_imu_gap) {
+  result.cause = verdict.cause;
+  if (!verdict.trusted) {
     result.state = TrackingState::kBridging;
-    result.cause = result.num_points == 0 ? Cause::kNoPoints : Cause::kTooFewMatches;
   } else if (result.observability.num_weak() > 0) {
     result.state = TrackingState::kDegraded;
     result.cause = Cause::kWeakDirections;
   } else {
     result.state = TrackingState::kTracking;
-    result.cause = evidence.imu_gap ? Cause::kImuGap : Cause::kNone;
+    result.cause = has_imu_gap ? Cause::kImuGap : Cause::kNone;
   }
 }
 
 }  // namespace
 
-ScanTracker::ScanTracker(const OdometryConfig& config, const sensor::Rig& rig, const imu::Estimate& start)
+ScanTracker::ScanTracker(const OdometryConfig& config, const sensor::Rig& rig, const imu::Estimate& start,
+                         const math::SE3& T_odom_map)
     : config_(config),
       rig_(rig),
       noise_(imu_noise(config.imu, rig)),
       estimate_(start),
+      last_trusted_(start),
+      T_odom_map_(T_odom_map),
       map_(make_map(config.map, rig.range_noise)),
+      judge_(config.trust),
+      agreement_(config.trust, noise_),
       leaf_(0.5 * (config.scan.min_leaf + config.scan.max_leaf)) {}
 
 ScanResult ScanTracker::track(std::shared_ptr<const sensor::LidarScan> scan, const sensor::ImuBuffer& imu) {
@@ -63,52 +96,142 @@ ScanResult ScanTracker::track(std::shared_ptr<const sensor::LidarScan> scan, con
   const Motion motion = propagate_to(scan->end_time, imu);
   result.times.propagate = stopwatch.lap_ms();
 
-  // 2. Straighten the scan with that motion: every point as seen from the IMU at the end of the scan.
-  auto cloud_imu = std::make_shared<const lidar::Cloud>(
-      lidar::deskew(*scan, motion.propagation.T_odom_imu, rig_.T_imu_lidar(), {rig_.min_range, rig_.max_range}));
-  result.times.deskew = stopwatch.lap_ms();
+  // 2. Straighten the scan with that motion, and thin it.
+  const Prepared prepared = prepare(*scan, motion, result.times);
+  stopwatch.lap_ms();
 
-  // 3. Thin it: finely for the map, more coarsely for matching.
-  const lidar::Cloud map_points = lidar::voxel_downsample(*cloud_imu, leaf_ * config_.scan.map_leaf_share);
-  const lidar::Cloud keypoints = lidar::voxel_downsample(map_points, leaf_);
-  leaf_ = lidar::adapt_leaf(leaf_, keypoints.size(), static_cast<std::size_t>(config_.scan.target_keypoints),
-                            {config_.scan.min_leaf, config_.scan.max_leaf});
-  result.times.downsample = stopwatch.lap_ms();
-
-  // 4. Correct the state against the map.
-  LidarMeasurement measurement(keypoints.points, *map_, config_.matching,
-                               {rig_.bearing_noise_deg * kRadiansPerDegree, rig_.T_imu_lidar().t});
-  const bool first = num_insertions_ == 0 && cloud_imu->size() > 0;
-  filter::UpdateReport update;
-  update.estimate = motion.propagation.estimate;
-  if (!first) {
-    update = filter::iterated_update(
-        motion.propagation.estimate,
-        [&](const imu::NavState& state, const imu::ErrorMatrix& P) { return measurement.linearise(state, P); },
-        {.max_iterations = config_.matching.max_iterations, .min_residuals = config_.matching.min_matches});
-  }
-  result.estimate = estimate_ = update.estimate;
+  // 3. Correct the state against the map.
+  const Match matched = match(prepared, motion.propagation.estimate);
+  result.num_points = static_cast<int>(prepared.cloud_imu->size());
+  result.num_keypoints = static_cast<int>(prepared.keypoints.size());
+  result.num_matches = matched.update.information.num_residuals;
+  result.iterations = matched.update.iterations;
+  result.residual_rms = matched.residual_rms;
+  result.observability = matched.observability;
+  result.explained = static_cast<double>(result.num_matches) / std::max(1, result.num_keypoints);
+  result.median_range = median_range(*prepared.cloud_imu);
   result.times.update = stopwatch.lap_ms();
 
-  // 5. Say how well that went.
-  const bool matched = update.status != filter::UpdateStatus::kTooFewResiduals;
-  if (matched) {
-    result.observability =
-        degeneracy::analyse_observability(measurement.scan_information(estimate_.state), config_.observability);
-  }
-  result.num_points = static_cast<int>(cloud_imu->size());
-  result.num_keypoints = static_cast<int>(keypoints.size());
-  result.num_matches = update.information.num_residuals;
-  result.iterations = update.iterations;
-  result.residual_rms = measurement.residual_rms();
-  judge(result, {.trusted = matched || first, .imu_gap = motion.has_gap});
+  // 4. Is that to be believed?
+  const Verdict verdict = judge(matched, motion, imu, result);
+  set_state(result, verdict, motion.has_gap);
   result.times.health = stopwatch.lap_ms();
 
-  // 6. Grow the map with what was placed. A pose that nothing confirms never writes geometry.
-  if ((matched || first) && insertion_is_due()) insert_into_map(map_points);
+  // 5. Grow the map with what was placed. A pose that nothing confirms never writes geometry.
+  if (verdict.trusted) {
+    believe(matched.update.estimate, motion.propagation.estimate);
+    leaf_ = lidar::adapt_leaf(leaf_, prepared.keypoints.size(), static_cast<std::size_t>(config_.scan.target_keypoints),
+                              {config_.scan.min_leaf, config_.scan.max_leaf});
+    if (insertion_is_due()) insert_into_map(prepared.map_points);
+  }
+  result.estimate = estimate_;
+  result.T_odom_map = T_odom_map_;
+  result.cloud_imu = prepared.cloud_imu;
   result.times.insert = stopwatch.lap_ms();
-  result.cloud_imu = std::move(cloud_imu);
   return result;
+}
+
+ScanTracker::Prepared ScanTracker::prepare(const sensor::LidarScan& scan, const Motion& motion, StageTimes& times) const {
+  Stopwatch stopwatch;
+  Prepared prepared;
+  // Every point as seen from the IMU at the end of the scan.
+  prepared.cloud_imu = std::make_shared<const lidar::Cloud>(
+      lidar::deskew(scan, motion.propagation.T_odom_imu, rig_.T_imu_lidar(), {rig_.min_range, rig_.max_range}));
+  times.deskew = stopwatch.lap_ms();
+  prepared.map_points = lidar::voxel_downsample(*prepared.cloud_imu, leaf_ * config_.scan.map_leaf_share);
+  prepared.keypoints = lidar::voxel_downsample(prepared.map_points, leaf_);
+  times.downsample = stopwatch.lap_ms();
+  return prepared;
+}
+
+ScanTracker::Match ScanTracker::match(const Prepared& prepared, const imu::Estimate& prior) const {
+  Match result;
+  result.update.estimate = prior;
+  result.is_first = num_insertions_ == 0 && prepared.cloud_imu->size() > 0;
+  if (result.is_first) return result;
+  LidarMeasurement measurement(prepared.keypoints.points, {*map_, T_odom_map_.inverse()}, config_.matching,
+                               {rig_.bearing_noise_deg * kRadiansPerDegree, rig_.T_imu_lidar().t});
+  // What the scan determines is settled once, where the IMU predicts the pose: it must not flicker from
+  // iteration to iteration.
+  bool is_analysed = false;
+  result.update = filter::iterated_update(
+      prior,
+      [&](const imu::NavState& state, const imu::ErrorMatrix& P) {
+        filter::PoseInformation information = measurement.linearise(state, P);
+        if (information.num_residuals < config_.matching.min_matches) return information;
+        if (!std::exchange(is_analysed, true)) {
+          result.observability =
+              degeneracy::analyse_observability(measurement.scan_information(state), config_.observability);
+        }
+        // The planes of a map that has just begun are all doubtful: nothing could start without them.
+        if (!config_.matching.soften_weak_directions || !judge_.knows_the_usual()) return information;
+        const auto soft = degeneracy::soften({information.H, information.b}, result.observability, config_.observability);
+        information.H = soft.H;
+        information.b = soft.b;
+        return information;
+      },
+      {.max_iterations = config_.matching.max_iterations, .min_residuals = config_.matching.min_matches});
+  result.has_update = result.update.status != filter::UpdateStatus::kTooFewResiduals;
+  if (!result.has_update) result.observability = {};
+  result.residual_rms = measurement.residual_rms();
+  return result;
+}
+
+Verdict ScanTracker::judge(const Match& match, const Motion& motion, const sensor::ImuBuffer& imu, ScanResult& result) {
+  estimate_ = motion.propagation.estimate;
+  if (match.is_first) return {true, Cause::kNone};
+  Evidence evidence{result.time, result.num_points, result.median_range, match.has_update, result.explained, 0.0, false};
+  std::optional<Disagreement> disagreement;
+  if (match.has_update) {
+    evidence.return_chi2 = return_chi2(match.update.estimate, estimate_, match.update.information.H);
+    disagreement = agreement_.compare(match.update.estimate, imu);
+  }
+  if (disagreement) {
+    result.disagreement = disagreement->position;
+    result.disagreement_rotation = disagreement->rotation;
+    evidence.imu_disagrees = disagreement->beyond_doubt;
+  }
+  const Verdict verdict = judge_.judge(evidence);
+  if (verdict.trusted) return verdict;
+  // The scans of the last second were wrong as well.
+  if (verdict.cause == Cause::kImuDisagrees && evidence.imu_disagrees) estimate_ = disagreement->imu_alone;
+  agreement_.clear();
+  is_bridging_ = true;
+  return verdict;
+}
+
+void ScanTracker::believe(const imu::Estimate& updated, const imu::Estimate& predicted) {
+  const bool returns = std::exchange(is_bridging_, false);
+  const math::SE3 T_predicted = predicted.state.T_odom_imu();
+  estimate_ = updated;
+  const double turn = math::so3_log(math::Matrix3d(T_predicted.R.transpose() * updated.state.R_odom_imu)).norm();
+  const double step = (updated.state.p_odom - T_predicted.t).norm();
+  if (returns && (step > config_.trust.max_step || turn > config_.trust.max_step_deg * kRadiansPerDegree)) {
+    call_the_pose(T_predicted);
+  }
+  last_trusted_ = estimate_;
+  agreement_.add(estimate_);
+}
+
+void ScanTracker::call_the_pose(const math::SE3& T_odom_imu) {
+  const math::SE3 T_new_odom = T_odom_imu * estimate_.state.T_odom_imu().inverse();
+  estimate_ = imu::transformed(T_new_odom, estimate_);
+  last_trusted_ = imu::transformed(T_new_odom, last_trusted_);
+  T_odom_map_ = T_new_odom * T_odom_map_;
+  agreement_.clear();
+}
+
+ScanTracker::Drift ScanTracker::drift() const {
+  return {largest_deviation(estimate_.P, imu::kPosition) - largest_deviation(last_trusted_.P, imu::kPosition),
+          largest_deviation(estimate_.P, imu::kRotation) - largest_deviation(last_trusted_.P, imu::kRotation)};
+}
+
+bool ScanTracker::is_collapsed(const ScanResult& result) const {
+  return judge_.has_collapsed({result.time, result.num_points, result.median_range});
+}
+
+Time ScanTracker::needs_imu_since() const {
+  return std::min(estimate_.state.time, agreement_.needs_imu_since().value_or(estimate_.state.time));
 }
 
 ScanTracker::Motion ScanTracker::propagate_to(Time time, const sensor::ImuBuffer& imu) const {
@@ -124,20 +247,20 @@ ScanTracker::Motion ScanTracker::propagate_to(Time time, const sensor::ImuBuffer
 
 bool ScanTracker::insertion_is_due() const {
   if (num_insertions_ < config_.map.initial_insertions) return true;
-  const math::SE3 moved = last_insertion_.inverse() * estimate_.state.T_odom_imu();
+  const math::SE3 moved = T_map_last_insertion_.inverse() * T_odom_map_.inverse() * estimate_.state.T_odom_imu();
   return moved.t.norm() >= config_.map.insert_distance ||
          math::so3_log(moved.R).norm() >= config_.map.insert_angle_deg * kRadiansPerDegree;
 }
 
 void ScanTracker::insert_into_map(const lidar::Cloud& cloud_imu) {
   if (cloud_imu.size() == 0) return;
-  const math::SE3 T_odom_imu = estimate_.state.T_odom_imu();
-  std::vector<Eigen::Vector3d> points_odom;
-  points_odom.reserve(cloud_imu.size());
-  for (const Eigen::Vector3f& p_imu : cloud_imu.points) points_odom.push_back(T_odom_imu * p_imu.cast<double>());
-  map_->insert(points_odom, T_odom_imu.t);
-  map_->evict_beyond(T_odom_imu.t, config_.map.radius);
-  last_insertion_ = T_odom_imu;
+  const math::SE3 T_map_imu = T_odom_map_.inverse() * estimate_.state.T_odom_imu();
+  std::vector<Eigen::Vector3d> points_map;
+  points_map.reserve(cloud_imu.size());
+  for (const Eigen::Vector3f& p_imu : cloud_imu.points) points_map.push_back(T_map_imu * p_imu.cast<double>());
+  map_->insert(points_map, T_map_imu.t);
+  map_->evict_beyond(T_map_imu.t, config_.map.radius);
+  T_map_last_insertion_ = T_map_imu;
   ++num_insertions_;
 }
 

@@ -4,8 +4,11 @@
 
 #include <memory>
 
+#include "mmlins/filter/iterated_update.hpp"
+#include "mmlins/odometry/motion_agreement.hpp"
 #include "mmlins/odometry/odometry_config.hpp"
 #include "mmlins/odometry/scan_result.hpp"
+#include "mmlins/odometry/trust.hpp"
 #include "mmlins/sensor/imu_buffer.hpp"
 #include "mmlins/sensor/rig.hpp"
 #include "mmlins/spatial/local_map.hpp"
@@ -14,22 +17,57 @@ namespace mmlins::odometry {
 
 class ScanTracker {
  public:
-  /// Starts with an empty map at `start`.
-  ScanTracker(const OdometryConfig& config, const sensor::Rig& rig, const imu::Estimate& start);
+  /// Starts with an empty map at `start`; the map's frame lies at `T_odom_map`.
+  ScanTracker(const OdometryConfig& config, const sensor::Rig& rig, const imu::Estimate& start,
+              const math::SE3& T_odom_map = {});
 
-  /// Propagate, straighten, match, correct, grow the map.
+  /// Propagate, straighten, match, correct, grow the map. A match that is not to be believed changes nothing: the
+  /// IMU carries the pose on, and every later scan tries again to return into the map.
   /// @param scan  must end later than the current state
-  /// @param imu   must hold samples from the current state to the end of the scan
+  /// @param imu   must hold samples from needs_imu_since() to the end of the scan
   [[nodiscard]] ScanResult track(std::shared_ptr<const sensor::LidarScan> scan, const sensor::ImuBuffer& imu);
 
   [[nodiscard]] const imu::Estimate& estimate() const { return estimate_; }
+  /// How far the pose may have drifted since it was last believed.
+  struct Drift {
+    double position = 0.0;  ///< standard deviation in the worst direction [m]
+    double rotation = 0.0;  ///< [rad]
+  };
+  [[nodiscard]] Drift drift() const;
+  /// The estimate after the last scan that was believed.
+  [[nodiscard]] const imu::Estimate& last_trusted() const { return last_trusted_; }
+  /// Whether the scan is so much smaller than usual that something must cover the sensor.
+  [[nodiscard]] bool is_collapsed(const ScanResult& result) const;
+
+  /// Where the map lies in odom.
+  [[nodiscard]] const math::SE3& T_odom_map() const { return T_odom_map_; }
+  /// Moves odom under everything: the pose becomes T_odom_imu, the map moves along.
+  void call_the_pose(const math::SE3& T_odom_imu);
+
+  [[nodiscard]] Time needs_imu_since() const;
 
  private:
   struct Motion {
     imu::Propagation propagation;
     bool has_gap = false;  ///< the IMU was silent for longer than it may be
   };
+  struct Prepared {
+    std::shared_ptr<const lidar::Cloud> cloud_imu;  ///< straightened
+    lidar::Cloud map_points;                        ///< thinned for the map
+    lidar::Cloud keypoints;                         ///< and for matching
+  };
+  struct Match {
+    filter::UpdateReport update;
+    degeneracy::Observability observability;
+    double residual_rms = 0.0;
+    bool has_update = false;
+    bool is_first = false;  ///< there is no map yet
+  };
   [[nodiscard]] Motion propagate_to(Time time, const sensor::ImuBuffer& imu) const;
+  [[nodiscard]] Prepared prepare(const sensor::LidarScan& scan, const Motion& motion, StageTimes& times) const;
+  [[nodiscard]] Match match(const Prepared& prepared, const imu::Estimate& prior) const;
+  [[nodiscard]] Verdict judge(const Match& match, const Motion& motion, const sensor::ImuBuffer& imu, ScanResult& result);
+  void believe(const imu::Estimate& updated, const imu::Estimate& predicted);
   [[nodiscard]] bool insertion_is_due() const;
   void insert_into_map(const lidar::Cloud& cloud_imu);
 
@@ -37,10 +75,15 @@ class ScanTracker {
   sensor::Rig rig_;
   imu::ImuNoise noise_;
   imu::Estimate estimate_;
+  imu::Estimate last_trusted_;
+  math::SE3 T_odom_map_;
   std::unique_ptr<spatial::LocalMap> map_;
+  TrustJudge judge_;
+  MotionAgreement agreement_;
   double leaf_;
+  bool is_bridging_ = false;
   int num_insertions_ = 0;
-  math::SE3 last_insertion_;
+  math::SE3 T_map_last_insertion_;
 };
 
 }  // namespace mmlins::odometry

@@ -37,21 +37,29 @@ constexpr std::array<Stage, 8> kStages{{
     {"total", [](const ScanRecord& r) { return r.total_ms(); }},
 }};
 
+std::string stamp(Time time) {
+  const auto ns = to_ns(time);
+  return fmt::format("{}.{:09}", ns / 1'000'000'000, ns % 1'000'000'000);
+}
+
 std::string health_csv(const RunResult& result) {
   std::string text =
-      "time,state,cause,points,keypoints,matches,iterations,residual_rms_m,"
-      "std_x_m,std_y_m,std_z_m,std_roll_rad,std_pitch_rad,std_yaw_rad";
+      "time,state,cause,map,points,keypoints,matches,iterations,residual_rms_m,explained,disagreement_m,disagreement_rad,"
+      "std_x_m,std_y_m,std_z_m,std_roll_rad,std_pitch_rad,std_yaw_rad,"
+      "v_x_m_s,v_y_m_s,v_z_m_s,down_x,down_y,down_z";
   for (const char* block : {"t", "r"}) {
     for (int i = 1; i <= 3; ++i) text += fmt::format(",{0}{1}_std,{0}{1}_noise_share,{0}{1}_x,{0}{1}_y,{0}{1}_z", block, i);
   }
   for (const Stage& stage : kStages) text += fmt::format(",{}_ms", stage.name);
   text += '\n';
   for (const ScanRecord& r : result.scans) {
-    const auto ns = to_ns(r.time);
-    text += fmt::format("{}.{:09},{},{},{},{},{},{},{:.6f}", ns / 1'000'000'000, ns % 1'000'000'000, to_string(r.state),
-                        to_string(r.cause), r.num_points, r.num_keypoints, r.num_matches, r.iterations, r.residual_rms);
+    text += fmt::format("{},{},{},{},{},{},{},{},{:.6f},{:.3f},{:.4f},{:.5f}", stamp(r.time), to_string(r.state),
+                        to_string(r.cause), r.map_id, r.num_points, r.num_keypoints, r.num_matches, r.iterations, r.residual_rms,
+                        r.explained, r.disagreement, r.disagreement_rotation);
     for (int i = 0; i < 3; ++i) text += fmt::format(",{:.6g}", r.position_std(i));
     for (int i = 0; i < 3; ++i) text += fmt::format(",{:.6g}", r.rotation_std(i));
+    for (int i = 0; i < 3; ++i) text += fmt::format(",{:.4f}", r.v_imu(i));
+    for (int i = 0; i < 3; ++i) text += fmt::format(",{:.6f}", r.down_imu(i));
     for (const auto* directions : {&r.observability.translation, &r.observability.rotation}) {
       for (const degeneracy::Direction& d : *directions) {
         text += fmt::format(",{:.4g},{:.3f},{:.3f},{:.3f},{:.3f}", d.std, d.noise_share, d.axis.x(), d.axis.y(), d.axis.z());
@@ -78,11 +86,32 @@ ordered_json states_json(const RunResult& result) {
   ordered_json states;
   using odometry::TrackingState;
   for (const auto state : {TrackingState::kInitializing, TrackingState::kTracking, TrackingState::kDegraded,
-                           TrackingState::kBridging}) {
+                           TrackingState::kBridging, TrackingState::kLost, TrackingState::kRelocating}) {
     states[std::string(to_string(state))] =
         std::count_if(result.scans.begin(), result.scans.end(), [&](const ScanRecord& r) { return r.state == state; });
   }
   return states;
+}
+
+ordered_json maps_json(const RunResult& result) {
+  ordered_json maps = ordered_json::array();
+  for (const odometry::MapRecord& map : result.maps) {
+    ordered_json entry = {{"id", map.id},
+                          {"begin", stamp(map.begin)},
+                          {"began", std::string(to_string(map.beginning))},
+                          {"last_believed", stamp(map.last_believed)},
+                          {"fell_asleep", std::string(to_string(map.why_ended))}};
+    if (map.gap) {
+      const math::Vector6d sigma = map.gap->covariance.diagonal().cwiseSqrt();
+      entry["gap"] = {{"from_map", map.gap->from_map},
+                      {"seconds", to_seconds(map.gap->first - map.gap->last)},
+                      {"metres", map.gap->T_last_first.t.norm()},
+                      {"std_rotation_rad", sigma.head<3>().maxCoeff()},
+                      {"std_position_m", sigma.tail<3>().maxCoeff()}};
+    }
+    maps.push_back(std::move(entry));
+  }
+  return maps;
 }
 
 std::string summary_json(const RunResult& result, const RunSource& source, const std::string& config_yaml) {
@@ -95,6 +124,7 @@ std::string summary_json(const RunResult& result, const RunSource& source, const
   summary["threads"] = source.num_threads;
   summary["scans"] = result.scans.size();
   summary["scans_by_state"] = states_json(result);
+  summary["maps"] = maps_json(result);
   summary["scans_left_out"] = {{"before_imu", result.num_scans_without_imu}, {"not_later", result.num_scans_not_later}};
   summary["imu_samples_not_later"] = result.num_late_imu_samples;
   summary["clock_jumps_back"] = result.num_clock_jumps;
@@ -111,9 +141,9 @@ std::string summary_json(const RunResult& result, const RunSource& source, const
   return summary.dump(2) + "\n";
 }
 
-math::Trajectory odometry_of(const RunResult& result) {
+math::Trajectory poses_of(const RunResult& result, math::SE3 ScanRecord::*pose) {
   math::Trajectory trajectory;
-  for (const ScanRecord& r : result.scans) trajectory.push_back({r.time, r.T_odom_imu});
+  for (const ScanRecord& r : result.scans) trajectory.push_back({r.time, r.*pose});
   return trajectory;
 }
 
@@ -130,7 +160,6 @@ Status prepare_folder(const std::string& folder) {
 
 Status write_run(const std::string& folder, const RunResult& result, const RunSource& source, const sensor::Rig& rig,
                  const SlamConfig& config) {
-  const math::Trajectory trajectory = odometry_of(result);
   SlamConfig config_copy = config;
   sensor::Rig rig_copy = rig;
   const std::string config_yaml = config::to_yaml(config_copy.fields(), true);
@@ -140,10 +169,9 @@ Status write_run(const std::string& folder, const RunResult& result, const RunSo
       {"rig.yaml", config::to_yaml(rig_copy.fields(), true)},
       {"summary.json", summary_json(result, source, config::to_yaml(config_copy.fields(), false))},
   };
-  for (const char* name : {"odometry.tum", "trajectory.tum"}) {
-    if (Status status = eval::write_tum(folder + "/" + name, trajectory); !status) return status;
-  }
-  if (Status status = io::write_pcd(folder + "/map.pcd", result.map.points_odom(), result.map.intensities()); !status) {
+  if (Status status = eval::write_tum(folder + "/odometry.tum", poses_of(result, &ScanRecord::T_odom_imu)); !status) return status;
+  if (Status status = eval::write_tum(folder + "/trajectory.tum", poses_of(result, &ScanRecord::T_map_imu)); !status) return status;
+  if (Status status = io::write_pcd(folder + "/map.pcd", result.map.points_map(), result.map.intensities()); !status) {
     return status;
   }
   for (const auto& [name, text] : texts) {

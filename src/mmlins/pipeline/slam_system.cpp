@@ -13,6 +13,9 @@ ScanRecord to_record(const odometry::ScanResult& result, double read_ms) {
   ScanRecord record;
   record.time = result.time;
   record.T_odom_imu = result.estimate.state.T_odom_imu();
+  const imu::NavState& state = result.estimate.state;
+  record.v_imu = state.R_odom_imu.transpose() * state.v_odom;
+  record.down_imu = state.R_odom_imu.transpose() * state.gravity_odom.normalized();
   record.state = result.state;
   record.cause = result.cause;
   record.num_points = result.num_points;
@@ -20,6 +23,10 @@ ScanRecord to_record(const odometry::ScanResult& result, double read_ms) {
   record.num_matches = result.num_matches;
   record.iterations = result.iterations;
   record.residual_rms = result.residual_rms;
+  record.explained = result.explained;
+  record.disagreement = result.disagreement;
+  record.disagreement_rotation = result.disagreement_rotation;
+  record.map_id = result.map_id;
   record.position_std = result.estimate.P.diagonal().segment<3>(imu::kPosition).cwiseSqrt();
   record.rotation_std = result.estimate.P.diagonal().segment<3>(imu::kRotation).cwiseSqrt();
   record.observability = result.observability;
@@ -66,6 +73,7 @@ RunResult Runner::run(sensor::Dataset& dataset) {
     }
   }
   for (const auto& late : odometry_.finish()) record(late);
+  result_.maps = odometry_.maps();
   result_.num_late_imu_samples += sync_.num_late_imu_samples();
   result_.num_clock_jumps = sync_.num_clock_jumps();
   result_.wall_seconds = 1e-3 * whole.lap_ms();
@@ -104,8 +112,11 @@ void Runner::process(const SyncedScan& synced) {
 }
 
 void Runner::record(const odometry::ScanResult& result) {
-  if (result.state != odometry::TrackingState::kBridging) result_.map.add(result);
-  result_.scans.push_back(to_record(result, std::exchange(read_ms_, 0.0)));
+  const auto& map = odometry_.maps()[static_cast<std::size_t>(result.map_id)];
+  ScanRecord record = to_record(result, std::exchange(read_ms_, 0.0));
+  record.T_map_imu = map.T_first_map * result.T_odom_map.inverse() * record.T_odom_imu;
+  if (odometry::is_placed(result.state)) result_.map.add(result, record.T_map_imu);
+  result_.scans.push_back(std::move(record));
   if (observer_ && !observer_(result_.scans.back(), progress_)) result_.interrupted = true;
 }
 

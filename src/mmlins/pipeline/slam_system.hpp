@@ -19,6 +19,10 @@ namespace mmlins::pipeline {
 struct ScanRecord {
   Time time;
   math::SE3 T_odom_imu;
+  math::SE3 T_map_imu;          ///< in the frame of the first map, which later maps are joined to by what the IMU felt
+  int map_id = 0;
+  math::Vector3d v_imu = math::Vector3d::Zero();             ///< velocity along the axes of the IMU [m/s]
+  math::Vector3d down_imu = -math::Vector3d::UnitZ();         ///< unit, where gravity points, along the axes of the IMU
   odometry::TrackingState state = odometry::TrackingState::kInitializing;
   odometry::Cause cause = odometry::Cause::kNone;
   int num_points = 0;
@@ -26,6 +30,9 @@ struct ScanRecord {
   int num_matches = 0;
   int iterations = 0;
   double residual_rms = 0.0;                                  ///< [m]
+  double explained = 0.0;                                     ///< share of the keypoints that match the map
+  double disagreement = 0.0;                                  ///< of IMU and LiDAR over the last second [m]
+  double disagreement_rotation = 0.0;                         ///< [rad]
   math::Vector3d position_std = math::Vector3d::Zero();       ///< along the axes of odom [m]
   math::Vector3d rotation_std = math::Vector3d::Zero();       ///< about the axes of the IMU [rad]
   degeneracy::Observability observability;
@@ -37,7 +44,8 @@ struct ScanRecord {
 
 struct RunResult {
   std::vector<ScanRecord> scans;
-  VoxelMapBuilder map{1.0};     ///< in the odom frame
+  std::vector<odometry::MapRecord> maps;
+  VoxelMapBuilder map{1.0};     ///< in the frame of the first map
   int num_scans_without_imu = 0;
   int num_scans_not_later = 0;
   int num_late_imu_samples = 0;

@@ -3,21 +3,20 @@
 
 namespace mmlins::pipeline {
 
-void VoxelMapBuilder::add(const odometry::ScanResult& result) {
-  const math::SE3 T_odom_imu = result.estimate.state.T_odom_imu();
+void VoxelMapBuilder::add(const odometry::ScanResult& result, const math::SE3& T_map_imu) {
   for (std::size_t i = 0; i < result.cloud_imu->size(); ++i) {
-    const math::Vector3d p_odom = T_odom_imu * result.cloud_imu->points[i].cast<double>();
+    const math::Vector3d p_map = T_map_imu * result.cloud_imu->points[i].cast<double>();
     const std::size_t num_before = cells_.payloads().size();
-    const std::uint32_t id = cells_.find_or_add(cells_.index_of(p_odom));
+    const std::uint32_t id = cells_.find_or_add(cells_.index_of(p_map));
     if (cells_.payloads().size() == num_before) continue;
-    cells_.payloads()[id] = {p_odom.cast<float>(), result.scan->intensities[result.cloud_imu->source[i]]};
+    cells_.payloads()[id] = {p_map.cast<float>(), result.scan->intensities[result.cloud_imu->source[i]]};
   }
 }
 
-std::vector<Eigen::Vector3f> VoxelMapBuilder::points_odom() const {
+std::vector<Eigen::Vector3f> VoxelMapBuilder::points_map() const {
   std::vector<Eigen::Vector3f> points;
   points.reserve(num_points());
-  for (const Point& point : cells_.payloads()) points.push_back(point.p_odom);
+  for (const Point& point : cells_.payloads()) points.push_back(point.p_map);
   return points;
 }
 

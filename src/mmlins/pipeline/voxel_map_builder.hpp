@@ -16,15 +16,16 @@ class VoxelMapBuilder {
   explicit VoxelMapBuilder(double voxel) : cells_(voxel) {}
 
   /// Adds the points of a tracked scan that fall into empty cells.
-  void add(const odometry::ScanResult& result);
+  /// @param T_map_imu  its pose in the frame of the cloud
+  void add(const odometry::ScanResult& result, const math::SE3& T_map_imu);
 
   [[nodiscard]] std::size_t num_points() const { return cells_.payloads().size(); }
-  [[nodiscard]] std::vector<Eigen::Vector3f> points_odom() const;
+  [[nodiscard]] std::vector<Eigen::Vector3f> points_map() const;
   [[nodiscard]] std::vector<float> intensities() const;
 
  private:
   struct Point {
-    Eigen::Vector3f p_odom;
+    Eigen::Vector3f p_map;
     float intensity = 0.0F;
   };
 
