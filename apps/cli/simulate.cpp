@@ -2,8 +2,10 @@
 // mmlins simulate: a made-up recording with its truth, from a named scenario or a YAML file.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <csignal>
 #include <filesystem>
@@ -66,9 +68,27 @@ class SimulateProgress {
   Stopwatch stopwatch_;
 };
 
+// The scenarios, one a line, and what they can be made of.
 int list_scenarios() {
-  for (const sim::ScenarioText& scenario : sim::scenario_texts()) {
-    fmt::print("{:<26}{}\n", scenario.name, sim::summary_of(scenario));
+  std::size_t width = 26;
+  for (const sim::ScenarioText& scenario : sim::scenario_texts())
+    width = std::max(width, scenario.name.size() + 2);
+  for (const sim::ScenarioText& scenario : sim::scenario_texts())
+    fmt::print("{:<{}}{}\n", scenario.name, width, sim::summary_of(scenario));
+  fmt::print("\nscenes (world.scene): {}\n", fmt::join(sim::scene_names(), ", "));
+  fmt::print("sensors (sensor.model):\n");
+  for (const sim::NamedText& sensor : sim::sensor_texts())
+    fmt::print("  {:<10}{}\n", sensor.name, sim::summary_of(sensor));
+  fmt::print("inertial sensors (imu.model): {}\n", fmt::join(sim::imu_names(), ", "));
+  fmt::print("carriers (trajectory.carrier): {}\n", fmt::join(sim::carrier_names(), ", "));
+  fmt::print("events (events: [{{kind, start, duration, severity}}]):\n");
+  for (const degrade::KindInfo& kind : degrade::event_kinds()) {
+    const std::string severity =
+        kind.range.min == kind.range.max
+            ? "no severity"
+            : fmt::format("severity: {}, {} to {}{}, usually {}", kind.severity_meaning, kind.range.min,
+                          kind.range.max, kind.unit.empty() ? "" : " " + kind.unit, kind.usual);
+    fmt::print("  {:<13}{}\n", kind.word, severity);
   }
   return 0;
 }
@@ -186,7 +206,8 @@ void add_simulate(CLI::App& program, int& exit_code) {
       ->add_option("--set", options->overrides,
                    "change a field of the scenario, as group.key=value; may be repeated")
       ->allow_extra_args(false);
-  command->add_flag("--list", options->list, "list the built-in scenarios");
+  command->add_flag("--list", options->list,
+                    "list the built-in scenarios, and what scenarios can be made of");
   command->callback([options, &exit_code] { exit_code = simulate(*options); });
 }
 

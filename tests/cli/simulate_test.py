@@ -106,10 +106,13 @@ class Simulate(unittest.TestCase):
     def test_lists_the_scenarios_with_what_they_are(self):
         result = simulate("--list")
         self.assertEqual(result.returncode, 0)
-        names = [line.split()[0] for line in result.stdout.splitlines()]
+        scenarios, parts = result.stdout.split("\n\n")
+        names = [line.split()[0] for line in scenarios.splitlines()]
         for name in ("demo", "dev_hall16", "heldout_street32", "long_drive"):
             self.assertIn(name, names)
-        self.assertTrue(all(len(line.split()) > 3 for line in result.stdout.splitlines()))
+        self.assertTrue(all(len(line.split()) > 3 for line in scenarios.splitlines()))
+        for part in ("floors", "os1_64", "consumer", "quadruped", "elevator"):
+            self.assertIn(part, parts)
 
     def test_an_unknown_scenario_gets_the_nearest_name(self):
         self.assert_refused(simulate("dmo", "--out", self.path("a")), "dmo", "'demo'")

@@ -186,9 +186,11 @@ sensor::ImuSample ideal_sample(const Kinematics& kinematics) {
           kinematics.T_world_imu.R.transpose() * (kinematics.acceleration_world + up_pull)};
 }
 
+std::vector<std::string> imu_names() { return {"custom", "bmi088", "consumer", "tactical"}; }
+
 Fields ImuConfig::fields() {
   return {
-      field("model", model, {"custom", "bmi088", "consumer", "tactical"},
+      field("model", model, imu_names(),
             "class of the sensor: its values take the place of all that are left at their defaults"),
       field("rate_hz", rate_hz, "Hz", {10.0, 5000.0}, "samples per second"),
       field("perfect", perfect, "nothing but the exact values at exact times"),

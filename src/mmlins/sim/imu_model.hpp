@@ -3,6 +3,7 @@
 // The inertial sensor: exact specific force and angular rate, and all that a real one makes of them.
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "mmlins/base/config_fields.hpp"
@@ -16,6 +17,9 @@ inline constexpr double kGravity = 9.81;
 
 /// Classes of sensors; kCustom is what the fields say.
 enum class ImuClass { kCustom, kBmi088, kConsumer, kTactical };
+
+/// The classes by name, in the order of the enum.
+[[nodiscard]] std::vector<std::string> imu_names();
 
 struct ImuConfig {
   ImuClass model = ImuClass::kCustom;

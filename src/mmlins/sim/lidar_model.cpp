@@ -36,11 +36,11 @@ Vector3d rotated(const Vector3d& w, const Vector3d& v) {
 }
 
 // The shot of a sensor at `dt` seconds after the kinematics; its time is left open.
-Ray ray_after(const Kinematics& at, double dt, const Vector3d& p_imu_lidar, const Vector3d& direction_imu) {
+Ray ray_after(const Kinematics& at, double dt, const Vector3d& p_imu_start, const Vector3d& direction_imu) {
   const Vector3d turn = dt * at.angular_rate_imu;
   const Vector3d p_world_imu =
       at.T_world_imu.t + dt * at.velocity_world + (0.5 * dt * dt) * at.acceleration_world;
-  return {p_world_imu + at.T_world_imu.R * rotated(turn, p_imu_lidar),
+  return {p_world_imu + at.T_world_imu.R * rotated(turn, p_imu_start),
           at.T_world_imu.R * rotated(turn, direction_imu)};
 }
 
@@ -95,7 +95,7 @@ std::vector<LidarModel::Return> LidarModel::shoot(const World& world, const Moti
       }
       const double dt = to_seconds(beams[i].time - anchor_time);
       const Vector3d direction_imu = T_imu_lidar_.R * beams[i].direction;
-      Ray ray = ray_after(anchor, dt, T_imu_lidar_.t, direction_imu);
+      Ray ray = ray_after(anchor, dt, T_imu_lidar_ * beams[i].origin, direction_imu);
       ray.time = to_seconds(beams[i].time);
       returns[i] = measure(world, ray, beams[i]);
     }
@@ -137,7 +137,9 @@ LidarModel::Return LidarModel::measure(const World& world, const Ray& ray, const
   if (config_.mixed_pixels > 0.0) range += mixed_range(world, ray, *hit, random) - hit->range;
   if (table_.range_step > 0.0) range = table_.range_step * std::round(range / table_.range_step);
   if (range < table_.nearest || range > farthest) return {};
-  return {(range * beam.direction).cast<float>(), static_cast<float>(hit->range),
+  const auto true_range = static_cast<float>((beam.origin + hit->range * beam.direction).norm());
+  return {(beam.origin + range * beam.direction).cast<float>(),
+          table_.beam_origin > 0.0 ? true_range : static_cast<float>(hit->range),
           kFullIntensity * static_cast<float>(hit->reflectivity * cos_incidence), hit->surface};
 }
 

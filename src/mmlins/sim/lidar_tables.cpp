@@ -24,6 +24,7 @@ SpinningTable spinning_table(const SensorTable& sensor) {
   table.lasers_at_once = static_cast<std::size_t>(sensor.lasers_at_once);
   table.between_lasers = from_us(sensor.laser_period_us);
   table.between_columns = from_us(sensor.column_period_us);
+  table.beam_origin = sensor.beam_origin;
   return table;
 }
 

@@ -57,7 +57,10 @@ class Spinning : public ScanPattern {
       for (std::size_t laser = 0; laser < table_.elevations_deg.size(); ++laser) {
         const Duration time =
             column_time + static_cast<std::int64_t>(laser / table_.lasers_at_once) * table_.between_lasers;
-        beams.push_back({time, turned_to(azimuth(time, laser), lasers_[laser]), rings_[laser]});
+        beams.push_back(
+            {time, turned_to(azimuth(time, laser), lasers_[laser]), rings_[laser], Vector3d::Zero()});
+        if (table_.beam_origin > 0.0)
+          beams.back().origin = table_.beam_origin * direction_of(rotor_angle(time), 0.0);
       }
     }
     return beams;
@@ -65,11 +68,14 @@ class Spinning : public ScanPattern {
 
  private:
   // The rotor turns clockwise seen from above, and never stops between scans.
-  double azimuth(Duration time, std::size_t laser) const {
+  double rotor_angle(Duration time) const {
     const double turns = rotor_hz_ * to_seconds(time) + phase_;
+    return -2.0 * kPi * (turns - std::floor(turns));
+  }
+  double azimuth(Duration time, std::size_t laser) const {
     const double offset =
         table_.azimuths_deg.empty() ? 0.0 : table_.azimuths_deg[laser % table_.azimuths_deg.size()];
-    return -2.0 * kPi * (turns - std::floor(turns)) + offset * kRadPerDeg;
+    return rotor_angle(time) + offset * kRadPerDeg;
   }
 
   SpinningTable table_;
@@ -93,7 +99,8 @@ class Nodding : public ScanPattern {
           std::fmod(-62050.63 * t, 360.0) + 3.11 * std::cos(314159.2 * t) * std::sin(628.318 * 2.0 * t);
       const double elevation = 25.5 * std::cos(20.0 * kPi * t) +
                                4.0 * std::cos(2.0 * kPi / 0.006 * t) * std::cos(10000.0 * kPi * t) + 22.5;
-      beams.push_back({time, direction_of(azimuth * kRadPerDeg, elevation * kRadPerDeg), 0});
+      beams.push_back(
+          {time, direction_of(azimuth * kRadPerDeg, elevation * kRadPerDeg), 0, Vector3d::Zero()});
     }
     return beams;
   }
@@ -119,7 +126,7 @@ class Rosette : public ScanPattern {
       const double elevation =
           half * (std::sin(a) + std::sin(b)) + table_.line_offsets_deg[line] * kRadPerDeg;
       beams.push_back({time, direction_of(half * (std::cos(a) + std::cos(b)), elevation),
-                       static_cast<std::uint16_t>(line)});
+                       static_cast<std::uint16_t>(line), Vector3d::Zero()});
     }
     return beams;
   }

@@ -16,6 +16,7 @@ struct Beam {
   Duration time;              ///< after the sensor was switched on
   Eigen::Vector3d direction;  ///< unit vector in the LiDAR frame
   std::uint16_t ring = 0;
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< where the beam starts, in the LiDAR frame [m]
 };
 
 class ScanPattern {
@@ -32,6 +33,7 @@ struct SpinningTable {
   Duration between_lasers{0};          ///< from one firing to the next
   Duration between_columns{0};
   std::size_t lasers_at_once = 1;  ///< that fire together
+  double beam_origin = 0.0;        ///< distance from the axis at which beams start [m]
 };
 
 /// The pattern of a MID-360: one mirror that turns and nods (formula of the MARSIM simulator).

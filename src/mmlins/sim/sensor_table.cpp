@@ -68,6 +68,8 @@ Fields SensorTable::fields() {
             "from one firing to the next within a column"),
       field("column_period_us", column_period_us, "us", {1.0, 1e6}, "from one column to the next"),
       field("point_period_us", point_period_us, "us", {0.1, 1e6}, "from point to point, if it does not spin"),
+      field("beam_origin", beam_origin, "m", {0.0, 0.5},
+            "distance from the axis at which beams start, in the direction of the rotor"),
       field("field_of_view_deg", field_of_view_deg, "deg", {1.0, 179.0}, "whole width of a rosette"),
       field("rosette_first_hz", rosette_first_hz, "Hz", {-1e4, 1e4}, "of the first prism"),
       field("rosette_second_hz", rosette_second_hz, "Hz", {-1e4, 1e4},

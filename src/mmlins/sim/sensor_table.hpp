@@ -29,6 +29,7 @@ struct SensorTable {
   double laser_period_us = 0.0;
   double column_period_us = 100.0;
   double point_period_us = 5.0;
+  double beam_origin = 0.0;
   double field_of_view_deg = 70.0;
   double rosette_first_hz = 121.567;
   double rosette_second_hz = -77.733;
