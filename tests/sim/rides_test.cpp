@@ -54,7 +54,9 @@ TEST(Kidnap, MovesTheCarrierByTheDeclaredWayAndLetsItTravelOn) {
     const Simulation simulation(config);
     const Simulation free(on_the_ground_floor({}));
     // It may cover 2 m of the way to and fro: it is in motion when it is lifted.
-    if (metres > 5.0) EXPECT_NEAR(way_between(simulation, 10.0, 14.0), metres, 0.02);
+    if (metres > 5.0) {
+      EXPECT_NEAR(way_between(simulation, 10.0, 14.0), metres, 0.02);
+    }
     // Later it goes the way of the free carrier at another time.
     const Vector3d place = simulation.T_world_imu(at(simulation, 14.0)).t;
     double nearest = 1e9;
@@ -135,8 +137,12 @@ TEST(Elevator, TheLidarSeesNothingButTheCabinWhileItRises) {
       const double seconds = to_seconds(time - simulation.start_time());
       const int surface = simulation.scan_truth().surfaces[i];
       const bool on_cabin = surface >= kFirstCabinSurface;
-      if (seconds < 12.0 || seconds >= 20.0) ASSERT_FALSE(on_cabin) << seconds;
-      if (seconds >= 13.0 && seconds < 19.0) ASSERT_TRUE(on_cabin) << seconds;
+      if (seconds < 12.0 || seconds >= 20.0) {
+        ASSERT_FALSE(on_cabin) << seconds;
+      }
+      if (seconds >= 13.0 && seconds < 19.0) {
+        ASSERT_TRUE(on_cabin) << seconds;
+      }
       if (on_cabin) {
         ++within;
         const Vector3d p = simulation.T_world_imu(time) * (T_imu_lidar * scan->points[i].cast<double>());
