@@ -12,21 +12,27 @@ namespace {
 
 using math::Vector3d;
 
-// What a user of the samples does: midpoint rule, nothing but the first state and the samples.
+// What a user of the samples does, by a rule of fourth order: the midpoint rule errs by more than a
+// millimetre where a walking robot shakes at 3 Hz. Nothing but the first state and the samples is used.
 Vector3d integrated_position(const ImuModel& imu, const Motion& motion, std::int64_t first,
                              std::int64_t last) {
   const Kinematics start = motion.at(to_seconds(imu.sample_time(first)));
+  const Vector3d gravity(0, 0, -kGravity);
   math::Matrix3d R = start.T_world_imu.R;
   Vector3d p = start.T_world_imu.t;
   Vector3d v = start.velocity_world;
-  for (std::int64_t i = first; i < last; ++i) {
+  for (std::int64_t i = first; i + 1 < last; i += 2) {
     const sensor::ImuSample a = imu.sample(motion, i);
     const sensor::ImuSample b = imu.sample(motion, i + 1);
-    const double dt = to_seconds(b.time - a.time);
-    const math::Matrix3d R_next = R * math::so3_exp(0.5 * dt * (a.gyro + b.gyro));
-    const Vector3d acceleration = 0.5 * (R * a.accel + R_next * b.accel) - Vector3d(0, 0, kGravity);
-    p += dt * v + 0.5 * dt * dt * acceleration;
-    v += dt * acceleration;
+    const sensor::ImuSample c = imu.sample(motion, i + 2);
+    const double h = to_seconds(b.time - a.time);
+    const Vector3d half = h / 12.0 * (5.0 * a.gyro + 8.0 * b.gyro - c.gyro + h * a.gyro.cross(b.gyro));
+    const Vector3d full = h / 3.0 * (a.gyro + 4.0 * b.gyro + c.gyro + h * a.gyro.cross(c.gyro));
+    const Vector3d at_b = R * math::so3_exp(half) * b.accel + gravity;
+    const math::Matrix3d R_next = R * math::so3_exp(full);
+    const Vector3d at_a = R * a.accel + gravity;
+    p += 2.0 * h * v + 2.0 * h * h / 3.0 * (at_a + 2.0 * at_b);
+    v += h / 3.0 * (at_a + 4.0 * at_b + R_next * c.accel + gravity);
     R = R_next;
   }
   return p;
