@@ -19,6 +19,7 @@ std::optional<Disagreement> MotionAgreement::compare(const imu::Estimate& now, c
   const imu::Estimate& then = past_.front();
   const double window = to_seconds(now.state.time - then.state.time);
   if (window < config_.agreement_window) return std::nullopt;
+  if (imu.longest_gap(then.state.time, now.state.time) > max_gap_) return std::nullopt;
   const sensor::ImuSamples samples = imu.covering(then.state.time, now.state.time);
   imu::NavState alone = then.state;
   for (std::size_t i = 1; i < samples.size(); ++i) {

@@ -22,9 +22,11 @@ struct Disagreement {
 
 class MotionAgreement {
  public:
-  MotionAgreement(const TrustConfig& config, const imu::ImuNoise& noise) : config_(config), noise_(noise) {}
+  /// @param max_gap  an IMU that was silent for longer is no witness
+  MotionAgreement(const TrustConfig& config, const imu::ImuNoise& noise, Duration max_gap)
+      : config_(config), noise_(noise), max_gap_(max_gap) {}
 
-  /// Nothing until estimates reach back over a whole window.
+  /// Nothing until estimates reach back over a whole window, and while the IMU has a gap in it.
   [[nodiscard]] std::optional<Disagreement> compare(const imu::Estimate& now, const sensor::ImuBuffer& imu) const;
   void add(const imu::Estimate& trusted);
   /// The thread is broken: the window begins anew.
@@ -35,6 +37,7 @@ class MotionAgreement {
  private:
   TrustConfig config_;
   imu::ImuNoise noise_;
+  Duration max_gap_;
   std::deque<imu::Estimate> past_;  // the first is at least a window old, once there is such a one
 };
 

@@ -83,7 +83,7 @@ ScanTracker::ScanTracker(const OdometryConfig& config, const sensor::Rig& rig, c
       T_odom_map_(T_odom_map),
       map_(make_map(config.map, rig.range_noise)),
       judge_(config.trust),
-      agreement_(config.trust, noise_),
+      agreement_(config.trust, noise_, from_seconds(config.imu.max_gap)),
       leaf_(0.5 * (config.scan.min_leaf + config.scan.max_leaf)) {}
 
 ScanResult ScanTracker::track(std::shared_ptr<const sensor::LidarScan> scan, const sensor::ImuBuffer& imu) {
