@@ -13,8 +13,7 @@ struct Quadratic {
   math::Vector6d b = math::Vector6d::Zero();
 };
 
-/// Share of a direction's information to keep: all while little of it is feigned, none when half of it or more is.
-/// Eq. (6).
+/// Share of a direction's information to keep: all while little of it is feigned, beyond that what is not. Eq. (6).
 [[nodiscard]] double kept_share(const Direction& direction, const ObservabilityConfig& config);
 
 /// The quadratic with the information along doubtful directions scaled down; its minimum stays where it was.
