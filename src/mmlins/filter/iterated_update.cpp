@@ -51,6 +51,7 @@ UpdateReport iterated_update(const imu::Estimate& prior, const MeasurementModel&
   ErrorMatrix P = prior.P;
   for (int iteration = 0; iteration < limits.max_iterations; ++iteration) {
     report.information = measure(x, P);
+    report.linearised_at = x.T_odom_imu();
     if (report.information.num_residuals < limits.min_residuals) {
       report.status = UpdateStatus::kTooFewResiduals;
       report.estimate = prior;

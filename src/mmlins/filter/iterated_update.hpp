@@ -37,6 +37,7 @@ struct UpdateReport {
   int iterations = 0;
   imu::Estimate estimate;       ///< the prior itself if there were too few residuals
   PoseInformation information;  ///< of the last linearisation
+  math::SE3 linearised_at;      ///< the pose of that
 };
 
 /// Fuses the measurement with the prior estimate. Eqs. (9)-(14).

@@ -34,47 +34,53 @@ LidarInertialOdometry::Output LidarInertialOdometry::add_scan(ScanPointer scan) 
 }
 
 ScanResult LidarInertialOdometry::track(const ScanPointer& scan) {
+  const imu::Estimate before = tracker_->estimate();
   ScanResult result = tracker_->track(scan, imu_);
   if (result.state == TrackingState::kBridging) {
-    look_for_a_way_on(scan, result);
+    look_for_a_way_on(scan, before, result);
   } else {
     if (asleep_) log::info("back in map {}", maps_.back().id);
     asleep_ = false;
     restart_.reset();
     unexplained_since_.reset();
+    was_collapsed_ = false;
     maps_.back().last_believed = result.time;
     maps_.back().why_ended = Cause::kNone;
   }
   result.map_id = maps_.back().id;
-  const Time trial_needs = restart_ ? restart_->tracker().needs_imu_since() : result.time;
+  const Time trial_needs = restart_ ? restart_->needs_imu_since() : result.time;
   imu_.forget_before(std::min(tracker_->needs_imu_since(), trial_needs));
   return result;
 }
 
-void LidarInertialOdometry::look_for_a_way_on(const ScanPointer& scan, ScanResult& result) {
+void LidarInertialOdometry::look_for_a_way_on(const ScanPointer& scan, const imu::Estimate& before, ScanResult& result) {
   const ScanTracker::Drift drift = tracker_->drift();
   if (!asleep_ && (drift.position > config_.restart.max_drift ||
                    drift.rotation > config_.restart.max_drift_deg * std::numbers::pi / 180.0)) {
     fall_asleep(result.cause);
   }
   if (asleep_) result.state = TrackingState::kLost;
-  if (result.num_keypoints < config_.matching.min_matches) {
+  const bool blind = result.num_keypoints < config_.matching.min_matches;
+  const bool collapsed = blind || tracker_->is_collapsed(result);
+  // A scan in which a cover comes or goes shows both what is in front of it and what is behind.
+  const bool changes = std::exchange(was_collapsed_, collapsed) != collapsed;
+  if (blind) unexplained_since_.reset();
+  if (blind || changes) {
     restart_.reset();
-    unexplained_since_.reset();
     return;
   }
   if (!unexplained_since_) unexplained_since_ = result.time;
-  const bool collapsed = tracker_->is_collapsed(result);
   if (!restart_) {
     if (!asleep_ && result.time - *unexplained_since_ < from_seconds(config_.restart.unexplained)) return;
-    restart_ = std::make_unique<Restart>(config_, rig_, tracker_->estimate(), tracker_->T_odom_map());
-    return;
+    restart_ = std::make_unique<Restart>(config_, rig_, before, tracker_->T_odom_map());
   }
   switch (restart_->add(scan, imu_, collapsed)) {
     case Restart::Progress::kOnTrial:
       if (asleep_) result.state = TrackingState::kRelocating;
       break;
-    case Restart::Progress::kFailed: restart_.reset(); break;
+    case Restart::Progress::kFailed:
+      restart_.reset();
+      break;
     case Restart::Progress::kProven:
       if (!asleep_) fall_asleep(result.cause);
       result.state = TrackingState::kRelocating;
@@ -100,6 +106,7 @@ void LidarInertialOdometry::wake_in_new_map() {
   math::Matrix6d to_body = math::Matrix6d::Identity();
   to_body.bottomRightCorner<3, 3>() = first.state.R_odom_imu.transpose();
   gap.covariance = to_body * gap.covariance * to_body.transpose();
+  const std::string verdict = restart_->verdict();
   const Time now = restart_->tracker().estimate().state.time;
   maps_.push_back({static_cast<int>(maps_.size()), MapBeginning::kAfterGap, first.state.time, now, Cause::kNone, gap,
                    maps_.back().T_first_map});
@@ -109,7 +116,7 @@ void LidarInertialOdometry::wake_in_new_map() {
   restart_.reset();
   unexplained_since_.reset();
   asleep_ = false;
-  log::info("map {} begins at {:.3f} s", maps_.back().id, to_seconds(first.state.time.time_since_epoch()));
+  log::info("map {} begins at {:.3f} s: {}", maps_.back().id, to_seconds(maps_.back().begin.time_since_epoch()), verdict);
 }
 
 std::vector<ScanResult> LidarInertialOdometry::finish() {

@@ -42,7 +42,7 @@ class LidarInertialOdometry {
  private:
   [[nodiscard]] ScanResult track(const ScanPointer& scan);
   /// What to do with a scan that the active map does not explain; changes the result's state.
-  void look_for_a_way_on(const ScanPointer& scan, ScanResult& result);
+  void look_for_a_way_on(const ScanPointer& scan, const imu::Estimate& before, ScanResult& result);
   void fall_asleep(Cause cause);
   void wake_in_new_map();
   [[nodiscard]] std::vector<ScanResult> try_to_start(const OdometryConfig& config);
@@ -54,6 +54,7 @@ class LidarInertialOdometry {
   std::unique_ptr<ScanTracker> tracker_;  ///< of the active map; while that sleeps, the IMU's, ready to return
   std::unique_ptr<Restart> restart_;      ///< a new map on trial, if there is one
   std::optional<Time> unexplained_since_;
+  bool was_collapsed_ = false;            ///< the scan before was as small as under a cover
   bool asleep_ = false;
   std::vector<MapRecord> maps_;
 };

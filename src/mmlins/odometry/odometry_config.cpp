@@ -74,8 +74,9 @@ Fields RestartConfig::fields() {
             "a new map is tried after this much of seeing what the old one does not explain, even within the budget"),
       field("trial", trial, "s", {0.2, 60.0}, "a new map must prove itself for this long"),
       field("patience", patience, "s", {0.2, 600.0}, "after this much of not proving itself the trial begins anew"),
-      field("max_speed_deviation", max_speed_deviation, "m/s", {0.001, 100.0}, "by then velocity must be known this well"),
-      field("max_tilt_deviation_deg", max_tilt_deviation_deg, "deg", {0.01, 90.0}, "and the direction of gravity this well"),
+      field("pose_deviation", pose_deviation, "m", {0.0, 1.0},
+            "what poses from a young map may be off by besides their noise, when velocity and gravity are found from them"),
+      field("pose_deviation_deg", pose_deviation_deg, "deg", {0.0, 10.0}, "the same for rotation"),
       field("confirming_motion", confirming_motion, "m", {0.0, 100.0},
             "under what looks like a cover, the scans must see the robot travel this far"),
       field("confirming_turn_deg", confirming_turn_deg, "deg", {0.0, 180.0}, "or turn by this angle"),
@@ -91,6 +92,7 @@ Fields OdometryConfig::fields() {
       group("start", start, "the first seconds"),
       group("trust", trust, "when a match is believed"),
       group("restart", restart, "when a map falls asleep and a new one begins"),
+      group("initialization", initialization, "velocity, gravity and biases of a new map"),
       group("observability", observability, "when a direction counts as weak"),
   };
 }

@@ -4,6 +4,7 @@
 
 #include "mmlins/base/config_fields.hpp"
 #include "mmlins/degeneracy/observability.hpp"
+#include "mmlins/initialization/initialization_config.hpp"
 #include "mmlins/odometry/trust.hpp"
 #include "mmlins/spatial/knn_map.hpp"
 #include "mmlins/spatial/plane_map.hpp"
@@ -72,10 +73,10 @@ struct RestartConfig {
   double max_drift = 1.0;
   double max_drift_deg = 5.0;
   double unexplained = 1.0;
-  double trial = 1.0;
+  double trial = 0.7;
   double patience = 3.0;
-  double max_speed_deviation = 0.1;
-  double max_tilt_deviation_deg = 1.0;
+  double pose_deviation = 0.005;
+  double pose_deviation_deg = 0.03;
   double confirming_motion = 0.5;
   double confirming_turn_deg = 15.0;
 
@@ -90,6 +91,7 @@ struct OdometryConfig {
   StartConfig start;
   TrustConfig trust;
   RestartConfig restart;
+  initialization::InitializationConfig initialization;
   degeneracy::ObservabilityConfig observability;
 
   [[nodiscard]] Fields fields();

@@ -1,62 +1,124 @@
 // SPDX-License-Identifier: MIT
 #include "mmlins/odometry/restart.hpp"
 
-#include <fmt/format.h>
-
-#include <Eigen/Eigenvalues>
-#include <cmath>
+#include <Eigen/LU>
 #include <numbers>
+#include <utility>
 
 #include "mmlins/imu/frame_change.hpp"
+#include "mmlins/initialization/paper_initializer.hpp"
 
 namespace mmlins::odometry {
 namespace {
 
-constexpr double kDegrees = 180.0 / std::numbers::pi;
+constexpr int kMaxPasses = 3;
+constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 
-template <int Size>
-double largest_deviation(const imu::ErrorMatrix& P, int begin) {
-  const Eigen::Matrix<double, Size, Size> block = P.block<Size, Size>(begin, begin);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, Size, Size>> solver(block, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, solver.eigenvalues()(Size - 1)));
+/// The pose that the scan alone prefers, doubted by what a young map may be off as well.
+initialization::PoseMeasurement measured_pose(const ScanResult& result, const RestartConfig& config) {
+  auto pose = initialization::pose_from_matching(result.time, result.pull.T_odom_imu, result.pull.H, result.pull.b);
+  const double rotation = config.pose_deviation_deg * kRadiansPerDegree;
+  math::Matrix6d doubt = math::Matrix6d::Identity();
+  doubt.diagonal().head<3>().setConstant(rotation * rotation);
+  doubt.diagonal().tail<3>().setConstant(config.pose_deviation * config.pose_deviation);
+  const math::Matrix6d shrink = (math::Matrix6d::Identity() + doubt * pose.information).inverse();
+  pose.information = pose.information * shrink;
+  pose.information = 0.5 * (pose.information + pose.information.transpose()).eval();
+  return pose;
 }
 
 }  // namespace
 
 Restart::Restart(const OdometryConfig& config, const sensor::Rig& rig, const imu::Estimate& carried,
                  const math::SE3& T_odom_map)
-    : config_(config.restart),
+    : config_(config),
+      rig_(rig),
+      noise_(imu_noise(config.imu, rig)),
       begin_(carried),
+      T_odom_map_(T_odom_map),
       tracker_(std::make_unique<ScanTracker>(config, rig, imu::with_pose_taken_for_granted(carried), T_odom_map)) {}
 
-Restart::Progress Restart::add(const std::shared_ptr<const sensor::LidarScan>& scan, const sensor::ImuBuffer& imu,
-                               bool is_collapsed) {
+Restart::Progress Restart::add(const Scan& scan, const sensor::ImuBuffer& imu, bool is_collapsed) {
   const ScanResult result = tracker_->track(scan, imu);
-  if (result.state == TrackingState::kBridging) {
+  if (!is_placed(result.state)) {
     verdict_ = to_string(result.cause);
     return Progress::kFailed;
   }
+  scans_.push_back(scan);
+  poses_.push_back(poses_.empty() ? initialization::defining_pose(result.time, result.estimate.state.T_odom_imu())
+                                  : measured_pose(result, config_.restart));
+  if (config_.initialization.mode == initialization::InitializationMode::kPaper) {
+    if (static_cast<int>(poses_.size()) < config_.initialization.window.paper_frames) return Progress::kOnTrial;
+    return initialize_as_in_the_paper(imu) ? Progress::kProven : Progress::kFailed;
+  }
   const double elapsed = to_seconds(result.time - begin_.state.time);
-  verdict_ = objection(elapsed, is_collapsed);
-  if (verdict_.empty()) return Progress::kProven;
-  return elapsed < config_.patience ? Progress::kOnTrial : Progress::kFailed;
+  if (elapsed < config_.restart.trial) return Progress::kOnTrial;
+  if (is_collapsed && !has_seen_motion()) {
+    verdict_ = "the scans have collapsed and show no motion";
+  } else if (initialize(imu)) {
+    return Progress::kProven;
+  }
+  return elapsed < config_.restart.patience ? Progress::kOnTrial : Progress::kFailed;
 }
 
-std::string Restart::objection(double elapsed, bool is_collapsed) const {
-  if (elapsed < config_.trial) return fmt::format("on trial for {:.1f} of {:.1f} s", elapsed, config_.trial);
-  const imu::ErrorMatrix& P = tracker_->estimate().P;
-  const double speed = largest_deviation<3>(P, imu::kVelocity);
-  if (speed > config_.max_speed_deviation) return fmt::format("velocity known to {:.2f} m/s only", speed);
-  const double tilt = largest_deviation<2>(P, imu::kGravityDirection) * kDegrees;
-  if (tilt > config_.max_tilt_deviation_deg) return fmt::format("gravity known to {:.1f} deg only", tilt);
-  if (is_collapsed && !has_seen_motion()) return "the scans have collapsed and show no motion";
-  return "";
+initialization::Window Restart::window(const sensor::ImuBuffer& imu) const {
+  return {poses_, imu.covering(poses_.front().time, poses_.back().time), noise_};
+}
+
+bool Restart::initialize(const sensor::ImuBuffer& imu) {
+  const imu::Estimate carried =
+      imu::propagate(begin_, imu.covering(begin_.state.time, poses_.front().time), noise_).estimate;
+  // Scans that were straightened with a wrong velocity give wrong poses; so the first solution is never the last.
+  for (int pass = 1;; ++pass) {
+    const auto found = initialization::initialize(
+        window(imu), initialization::carried_over_prior(carried, poses_.front().T_odom_imu), config_.initialization);
+    verdict_ = found.acceptance.reason;
+    if (pass > 1 && found.acceptance.accepted()) {
+      tracker_->set_estimate(found.solution.estimate);
+      return true;
+    }
+    if (pass == kMaxPasses || found.solution.status != initialization::SolveStatus::kSolved) return false;
+    if (!go_over_again(found.solution, imu)) return false;
+  }
+}
+
+bool Restart::go_over_again(const initialization::MapSolution& solution, const sensor::ImuBuffer& imu) {
+  // The solution begins at the end of the first scan; what it says of the velocity there holds at its beginning.
+  const imu::NavState then = imu::propagate(begin_, imu.covering(begin_.state.time, poses_.front().time), noise_).estimate.state;
+  const imu::NavState& found = solution.states.front();
+  imu::Estimate again{begin_.state, solution.estimate.P};
+  again.state.v_odom += found.v_odom - then.v_odom;
+  again.state.gyro_bias = found.gyro_bias;
+  again.state.accel_bias = found.accel_bias;
+  again.state.gravity_odom = found.gravity_odom;
+  tracker_ = std::make_unique<ScanTracker>(config_, rig_, imu::with_pose_taken_for_granted(again), T_odom_map_);
+  poses_.clear();
+  for (const Scan& scan : scans_) {
+    const ScanResult result = tracker_->track(scan, imu);
+    if (!is_placed(result.state)) {
+      verdict_ = "the scans no longer match when straightened";
+      return false;
+    }
+    poses_.push_back(poses_.empty() ? initialization::defining_pose(result.time, result.estimate.state.T_odom_imu())
+                                    : measured_pose(result, config_.restart));
+  }
+  return true;
+}
+
+bool Restart::initialize_as_in_the_paper(const sensor::ImuBuffer& imu) {
+  const initialization::PaperSolution found = initialization::solve_paper(window(imu));
+  if (found.status != initialization::PaperStatus::kSolved) {
+    verdict_ = "the four frames do not determine velocity and gravity";
+    return false;
+  }
+  tracker_->set_estimate(found.estimate);
+  return true;
 }
 
 bool Restart::has_seen_motion() const {
   const math::SE3 moved = begin_.state.T_odom_imu().inverse() * tracker_->estimate().state.T_odom_imu();
-  return moved.t.norm() > config_.confirming_motion ||
-         math::so3_log(moved.R).norm() * kDegrees > config_.confirming_turn_deg;
+  return moved.t.norm() > config_.restart.confirming_motion ||
+         math::so3_log(moved.R).norm() > config_.restart.confirming_turn_deg * kRadiansPerDegree;
 }
 
 }  // namespace mmlins::odometry

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 // A new map on trial: started in motion with what the IMU carried through the gap, and believed only after it has
-// proved itself for a while.
+// proved itself for a while. docs/math/degeneracy.md, section 4.
 
 #include <memory>
 #include <string>
+#include <vector>
 
+#include "mmlins/initialization/acceptance.hpp"
 #include "mmlins/odometry/scan_tracker.hpp"
 
 namespace mmlins::odometry {
@@ -21,21 +23,32 @@ class Restart {
   [[nodiscard]] Progress add(const std::shared_ptr<const sensor::LidarScan>& scan, const sensor::ImuBuffer& imu,
                              bool is_collapsed);
 
-  /// Why the trial failed, or has not been passed yet.
+  /// Why the trial failed, or has not been passed yet; when it has, with which figures.
   [[nodiscard]] const std::string& verdict() const { return verdict_; }
   [[nodiscard]] const imu::Estimate& begin() const { return begin_; }
   [[nodiscard]] const ScanTracker& tracker() const { return *tracker_; }
   [[nodiscard]] std::unique_ptr<ScanTracker> take() { return std::move(tracker_); }
+  [[nodiscard]] Time needs_imu_since() const { return begin_.state.time; }
 
  private:
-  /// Empty if the new map may be believed.
-  [[nodiscard]] std::string objection(double elapsed, bool is_collapsed) const;
+  using Scan = std::shared_ptr<const sensor::LidarScan>;
+  [[nodiscard]] initialization::Window window(const sensor::ImuBuffer& imu) const;
+  /// Velocity, gravity and biases from the window; on success the tracker goes on with them.
+  [[nodiscard]] bool initialize(const sensor::ImuBuffer& imu);
+  [[nodiscard]] bool initialize_as_in_the_paper(const sensor::ImuBuffer& imu);
+  /// Goes over the scans again, straightened with the motion that has been found. False if they no longer match.
+  [[nodiscard]] bool go_over_again(const initialization::MapSolution& solution, const sensor::ImuBuffer& imu);
   /// Whether the scans themselves saw the robot move by a good deal.
   [[nodiscard]] bool has_seen_motion() const;
 
-  RestartConfig config_;
+  OdometryConfig config_;
+  sensor::Rig rig_;
+  imu::ImuNoise noise_;
   imu::Estimate begin_;
+  math::SE3 T_odom_map_;
   std::unique_ptr<ScanTracker> tracker_;
+  std::vector<Scan> scans_;
+  initialization::PoseMeasurements poses_;
   std::string verdict_;
 };
 

@@ -48,6 +48,14 @@ struct StageTimes {
   [[nodiscard]] double total() const { return propagate + deskew + downsample + update + health + insert; }
 };
 
+/// What the scan alone says about the pose: d^T H d + 2 b^T d + const around `T_odom_imu`, with
+/// d = [rotation (on the right); position (added, in odom)].
+struct ScanPull {
+  math::SE3 T_odom_imu;
+  math::Matrix6d H = math::Matrix6d::Zero();
+  math::Vector6d b = math::Vector6d::Zero();
+};
+
 struct ScanResult {
   Time time;                 ///< end of the scan; the pose is the one at this time
   int map_id = 0;            ///< the map that the scan belongs to, or that fell asleep last
@@ -67,6 +75,7 @@ struct ScanResult {
   std::shared_ptr<const sensor::LidarScan> scan;
   std::shared_ptr<const lidar::Cloud> cloud_imu;  ///< straightened scan in the IMU frame at `time`
   degeneracy::Observability observability;  ///< of the matches; all zero without an update
+  ScanPull pull;                            ///< zero without an update
   StageTimes times;
 };
 

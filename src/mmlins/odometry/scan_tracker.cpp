@@ -25,11 +25,6 @@ std::unique_ptr<spatial::LocalMap> make_map(const LocalMapConfig& config, double
   return std::make_unique<spatial::PlaneMap>(config.planes, range_noise);
 }
 
-imu::ImuNoise imu_noise(const ImuModelConfig& config, const sensor::Rig& rig) {
-  return {config.gyro_noise_factor * rig.gyro_noise_density, config.accel_noise_factor * rig.accel_noise_density,
-          config.bias_walk_factor * rig.gyro_bias_walk, config.bias_walk_factor * rig.accel_bias_walk};
-}
-
 double largest_deviation(const imu::ErrorMatrix& P, int block) {
   const Eigen::SelfAdjointEigenSolver<math::Matrix3d> solver(P.block<3, 3>(block, block), Eigen::EigenvaluesOnly);
   return std::sqrt(std::max(0.0, solver.eigenvalues()(2)));
@@ -73,6 +68,11 @@ void set_state(ScanResult& result, const Verdict& verdict, bool has_imu_gap) {
 
 }  // namespace
 
+imu::ImuNoise imu_noise(const ImuModelConfig& config, const sensor::Rig& rig) {
+  return {config.gyro_noise_factor * rig.gyro_noise_density, config.accel_noise_factor * rig.accel_noise_density,
+          config.bias_walk_factor * rig.gyro_bias_walk, config.bias_walk_factor * rig.accel_bias_walk};
+}
+
 ScanTracker::ScanTracker(const OdometryConfig& config, const sensor::Rig& rig, const imu::Estimate& start,
                          const math::SE3& T_odom_map)
     : config_(config),
@@ -108,6 +108,7 @@ ScanResult ScanTracker::track(std::shared_ptr<const sensor::LidarScan> scan, con
   result.iterations = matched.update.iterations;
   result.residual_rms = matched.residual_rms;
   result.observability = matched.observability;
+  result.pull = {matched.update.linearised_at, matched.update.information.H, matched.update.information.b};
   result.explained = static_cast<double>(result.num_matches) / std::max(1, result.num_keypoints);
   result.median_range = median_range(*prepared.cloud_imu);
   result.times.update = stopwatch.lap_ms();
@@ -129,6 +130,33 @@ ScanResult ScanTracker::track(std::shared_ptr<const sensor::LidarScan> scan, con
   result.cloud_imu = prepared.cloud_imu;
   result.times.insert = stopwatch.lap_ms();
   return result;
+}
+
+ScanResult ScanTracker::carry(std::shared_ptr<const sensor::LidarScan> scan, const sensor::ImuBuffer& imu, Cause cause) {
+  ScanResult result;
+  result.time = scan->end_time;
+  result.scan = scan;
+  Stopwatch stopwatch;
+  const Motion motion = propagate_to(scan->end_time, imu);
+  result.times.propagate = stopwatch.lap_ms();
+  const Prepared prepared = prepare(*scan, motion, result.times);
+  result.num_points = static_cast<int>(prepared.cloud_imu->size());
+  result.num_keypoints = static_cast<int>(prepared.keypoints.size());
+  result.median_range = median_range(*prepared.cloud_imu);
+  result.cloud_imu = prepared.cloud_imu;
+  set_state(result, {false, cause}, motion.has_gap);
+  estimate_ = motion.propagation.estimate;
+  is_bridging_ = true;
+  result.estimate = estimate_;
+  result.T_odom_map = T_odom_map_;
+  return result;
+}
+
+void ScanTracker::set_estimate(const imu::Estimate& estimate) {
+  MMLINS_CHECK(estimate.state.time == estimate_.state.time);
+  estimate_ = last_trusted_ = estimate;
+  agreement_.clear();
+  agreement_.add(estimate_);
 }
 
 ScanTracker::Prepared ScanTracker::prepare(const sensor::LidarScan& scan, const Motion& motion, StageTimes& times) const {

@@ -15,6 +15,9 @@
 
 namespace mmlins::odometry {
 
+/// The noise to reckon with: the rig's, with room for what data sheets leave out.
+[[nodiscard]] imu::ImuNoise imu_noise(const ImuModelConfig& config, const sensor::Rig& rig);
+
 class ScanTracker {
  public:
   /// Starts with an empty map at `start`; the map's frame lies at `T_odom_map`.
@@ -27,7 +30,12 @@ class ScanTracker {
   /// @param imu   must hold samples from needs_imu_since() to the end of the scan
   [[nodiscard]] ScanResult track(std::shared_ptr<const sensor::LidarScan> scan, const sensor::ImuBuffer& imu);
 
+  /// Moves on with the IMU alone, as if the scan had not been taken.
+  [[nodiscard]] ScanResult carry(std::shared_ptr<const sensor::LidarScan> scan, const sensor::ImuBuffer& imu, Cause cause);
+
   [[nodiscard]] const imu::Estimate& estimate() const { return estimate_; }
+  /// Replaces the estimate by a better one of the same time and frame.
+  void set_estimate(const imu::Estimate& estimate);
   /// How far the pose may have drifted since it was last believed.
   struct Drift {
     double position = 0.0;  ///< standard deviation in the worst direction [m]
