@@ -15,10 +15,11 @@ import re
 import sys
 import time
 
-from degeneracy import free, restart
+from degeneracy import bag_map, cold, events, free, recorded, restart
 from degeneracy.bench import Bench, Item, Section, Wanted, all_figures, figures_of
 
-SECTIONS = {"free": free.SECTION, "restart": restart.SECTION}
+SECTIONS = {"events": events.SECTION, "free": free.SECTION, "restart": restart.SECTION, "cold": cold.SECTION,
+            "bag": bag_map.SECTION, "recorded": recorded.SECTION}
 PAGE = pathlib.Path(__file__).resolve().parent.parent / "docs" / "results" / "degeneracy.md"
 
 
