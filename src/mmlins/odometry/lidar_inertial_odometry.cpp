@@ -10,7 +10,7 @@
 namespace mmlins::odometry {
 
 LidarInertialOdometry::LidarInertialOdometry(const OdometryConfig& config, const sensor::Rig& rig)
-    : config_(config), rig_(rig) {}
+    : config_(config), rig_(rig), reference_(config.detector) {}
 
 LidarInertialOdometry::Output LidarInertialOdometry::add_scan(ScanPointer scan) {
   Output output;
@@ -34,22 +34,27 @@ LidarInertialOdometry::Output LidarInertialOdometry::add_scan(ScanPointer scan) 
 }
 
 ScanResult LidarInertialOdometry::track(const ScanPointer& scan) {
-  const imu::Estimate before = tracker_->estimate();
-  ScanResult result = tracker_->track(scan, imu_);
-  if (result.state == TrackingState::kBridging) {
-    look_for_a_way_on(scan, before, result);
-  } else {
-    if (asleep_) log::info("back in map {}", maps_.back().id);
-    asleep_ = false;
-    restart_.reset();
-    unexplained_since_.reset();
-    was_collapsed_ = false;
-    maps_.back().last_believed = result.time;
-    maps_.back().why_ended = Cause::kNone;
-  }
+  ScanResult result = config_.detector == DetectorKind::kDefault ? track_with_doubt(scan) : track_by_reference(scan);
   result.map_id = maps_.back().id;
   const Time trial_needs = restart_ ? restart_->needs_imu_since() : result.time;
   imu_.forget_before(std::min(tracker_->needs_imu_since(), trial_needs));
+  return result;
+}
+
+ScanResult LidarInertialOdometry::track_with_doubt(const ScanPointer& scan) {
+  const imu::Estimate before = tracker_->estimate();
+  ScanResult result = tracker_->track(scan, imu_);
+  if (!is_placed(result.state)) {
+    look_for_a_way_on(scan, before, result);
+    return result;
+  }
+  if (asleep_) log::info("back in map {}", maps_.back().id);
+  asleep_ = false;
+  was_collapsed_ = false;
+  restart_.reset();
+  unexplained_since_.reset();
+  maps_.back().last_believed = result.time;
+  maps_.back().why_ended = Cause::kNone;
   return result;
 }
 
@@ -70,25 +75,45 @@ void LidarInertialOdometry::look_for_a_way_on(const ScanPointer& scan, const imu
     return;
   }
   if (!unexplained_since_) unexplained_since_ = result.time;
-  if (!restart_) {
-    if (!asleep_ && result.time - *unexplained_since_ < from_seconds(config_.restart.unexplained)) return;
-    restart_ = std::make_unique<Restart>(config_, rig_, before, tracker_->T_odom_map());
+  if (!asleep_ && result.time - *unexplained_since_ < from_seconds(config_.restart.unexplained)) return;
+  try_new_map(scan, before, collapsed, result);
+}
+
+bool LidarInertialOdometry::try_new_map(const ScanPointer& scan, const imu::Estimate& before, bool collapsed,
+                                        ScanResult& result) {
+  if (!restart_) restart_ = std::make_unique<Restart>(config_, rig_, before, tracker_->T_odom_map());
+  const Restart::Progress progress = restart_->add(scan, imu_, collapsed);
+  if (progress == Restart::Progress::kFailed) {
+    restart_.reset();
+    return false;
   }
-  switch (restart_->add(scan, imu_, collapsed)) {
-    case Restart::Progress::kOnTrial:
-      if (asleep_) result.state = TrackingState::kRelocating;
-      break;
-    case Restart::Progress::kFailed:
+  if (asleep_ && !collapsed) result.state = TrackingState::kRelocating;
+  if (progress == Restart::Progress::kOnTrial) return false;
+  if (!asleep_) fall_asleep(result.cause);
+  result.state = TrackingState::kRelocating;
+  wake_in_new_map();
+  result.estimate = tracker_->estimate();
+  result.T_odom_map = tracker_->T_odom_map();
+  return true;
+}
+
+ScanResult LidarInertialOdometry::track_by_reference(const ScanPointer& scan) {
+  const imu::Estimate before = tracker_->estimate();
+  ScanResult result =
+      asleep_ ? tracker_->carry(scan, imu_, maps_.back().why_ended) : tracker_->track(scan, imu_);
+  if (asleep_) {
+    result.state = TrackingState::kLost;
+    if (result.num_keypoints < config_.matching.min_matches) {
       restart_.reset();
-      break;
-    case Restart::Progress::kProven:
-      if (!asleep_) fall_asleep(result.cause);
-      result.state = TrackingState::kRelocating;
-      wake_in_new_map();
-      result.estimate = tracker_->estimate();
-      result.T_odom_map = tracker_->T_odom_map();
-      break;
+    } else if (try_new_map(scan, before, false, result)) {
+      reference_.restart();
+    }
+  } else {
+    maps_.back().last_believed = result.time;
+    const sensor::ImuSamples samples = imu_.covering(before.state.time, result.time);
+    if (reference_.step(before.state, samples, result.unweighted_information)) fall_asleep(Cause::kWeakDirections);
   }
+  return result;
 }
 
 void LidarInertialOdometry::fall_asleep(Cause cause) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "mmlins/odometry/map_record.hpp"
+#include "mmlins/odometry/reference_detection.hpp"
 #include "mmlins/odometry/restart.hpp"
 #include "mmlins/odometry/startup.hpp"
 
@@ -41,6 +42,10 @@ class LidarInertialOdometry {
 
  private:
   [[nodiscard]] ScanResult track(const ScanPointer& scan);
+  [[nodiscard]] ScanResult track_with_doubt(const ScanPointer& scan);
+  [[nodiscard]] ScanResult track_by_reference(const ScanPointer& scan);
+  /// Gives the new map on trial one more scan; true if it has taken over.
+  bool try_new_map(const ScanPointer& scan, const imu::Estimate& before, bool collapsed, ScanResult& result);
   /// What to do with a scan that the active map does not explain; changes the result's state.
   void look_for_a_way_on(const ScanPointer& scan, const imu::Estimate& before, ScanResult& result);
   void fall_asleep(Cause cause);
@@ -57,6 +62,7 @@ class LidarInertialOdometry {
   bool was_collapsed_ = false;            ///< the scan before was as small as under a cover
   bool asleep_ = false;
   std::vector<MapRecord> maps_;
+  ReferenceDetection reference_;
 };
 
 }  // namespace mmlins::odometry

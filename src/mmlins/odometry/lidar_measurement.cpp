@@ -111,6 +111,17 @@ filter::PoseInformation LidarMeasurement::linearise(const imu::NavState& state, 
   return sum.information;
 }
 
+math::Matrix6d LidarMeasurement::unweighted_information(const imu::NavState& state) const {
+  math::Matrix6d sum = math::Matrix6d::Zero();
+  for (std::size_t i = 0; i < matches_.size(); ++i) {
+    if (!matches_[i].found) continue;
+    math::Vector6d J;
+    J << keypoints_imu_[i].cast<double>().cross(state.R_odom_imu.transpose() * matches_[i].normal), matches_[i].normal;
+    sum.noalias() += J * J.transpose();
+  }
+  return sum;
+}
+
 degeneracy::ScanInformation LidarMeasurement::scan_information(const imu::NavState& state) const {
   const math::Matrix3d R_imu_odom = state.R_odom_imu.transpose();
   return parallel::ordered_sum(matches_.size(), kGrain, degeneracy::ScanInformation{}, [&](std::size_t begin, std::size_t end) {

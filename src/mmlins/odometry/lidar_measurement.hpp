@@ -42,6 +42,9 @@ class LidarMeasurement {
   /// outlier takes nothing from the geometry. docs/math/degeneracy.md, Eqs. (1), (5).
   [[nodiscard]] degeneracy::ScanInformation scan_information(const imu::NavState& state) const;
 
+  /// Sum of J^T J over the matches of the last linearisation, all of weight one.
+  [[nodiscard]] math::Matrix6d unweighted_information(const imu::NavState& state) const;
+
   /// Root mean square of the residuals at the last linearisation [m].
   [[nodiscard]] double residual_rms() const { return residual_rms_; }
 

@@ -85,6 +85,9 @@ Fields RestartConfig::fields() {
 
 Fields OdometryConfig::fields() {
   return {
+      field("detector", detector, {"default", "paper", "published", "zhang"},
+            "what puts a map to sleep; others than default are for comparison: the rule of the MM-LINS paper, that of "
+            "its published code, and the degeneracy factor"),
       group("imu", imu, "how much the IMU is trusted"),
       group("scan", scan, "preparation of a scan"),
       group("matching", matching, "matching of a scan against the map"),

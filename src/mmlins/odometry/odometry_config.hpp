@@ -12,6 +12,7 @@
 namespace mmlins::odometry {
 
 enum class MapKind { kPlanes, kKnn };
+enum class DetectorKind { kDefault, kPaper, kPublished, kZhang };
 
 struct ImuModelConfig {
   double gyro_noise_factor = 1.5;
@@ -84,6 +85,7 @@ struct RestartConfig {
 };
 
 struct OdometryConfig {
+  DetectorKind detector = DetectorKind::kDefault;
   ImuModelConfig imu;
   ScanConfig scan;
   MatchingConfig matching;

@@ -75,6 +75,7 @@ struct ScanResult {
   std::shared_ptr<const sensor::LidarScan> scan;
   std::shared_ptr<const lidar::Cloud> cloud_imu;  ///< straightened scan in the IMU frame at `time`
   degeneracy::Observability observability;  ///< of the matches; all zero without an update
+  math::Matrix6d unweighted_information = math::Matrix6d::Zero();  ///< for the reference detectors; else zero
   ScanPull pull;                            ///< zero without an update
   StageTimes times;
 };

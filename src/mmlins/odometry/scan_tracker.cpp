@@ -108,6 +108,7 @@ ScanResult ScanTracker::track(std::shared_ptr<const sensor::LidarScan> scan, con
   result.iterations = matched.update.iterations;
   result.residual_rms = matched.residual_rms;
   result.observability = matched.observability;
+  result.unweighted_information = matched.unweighted;
   result.pull = {matched.update.linearised_at, matched.update.information.H, matched.update.information.b};
   result.explained = static_cast<double>(result.num_matches) / std::max(1, result.num_keypoints);
   result.median_range = median_range(*prepared.cloud_imu);
@@ -201,6 +202,9 @@ ScanTracker::Match ScanTracker::match(const Prepared& prepared, const imu::Estim
       {.max_iterations = config_.matching.max_iterations, .min_residuals = config_.matching.min_matches});
   result.has_update = result.update.status != filter::UpdateStatus::kTooFewResiduals;
   if (!result.has_update) result.observability = {};
+  if (result.has_update && config_.detector != DetectorKind::kDefault) {
+    result.unweighted = measurement.unweighted_information(result.update.estimate.state);
+  }
   result.residual_rms = measurement.residual_rms();
   return result;
 }
@@ -208,6 +212,11 @@ ScanTracker::Match ScanTracker::match(const Prepared& prepared, const imu::Estim
 Verdict ScanTracker::judge(const Match& match, const Motion& motion, const sensor::ImuBuffer& imu, ScanResult& result) {
   estimate_ = motion.propagation.estimate;
   if (match.is_first) return {true, Cause::kNone};
+  // The others' systems believe every match that is large enough.
+  if (config_.detector != DetectorKind::kDefault) {
+    is_bridging_ = !match.has_update;
+    return {match.has_update, match.has_update ? Cause::kNone : Cause::kTooFewMatches};
+  }
   Evidence evidence{result.time, result.num_points, result.median_range, match.has_update, result.explained, 0.0, false};
   std::optional<Disagreement> disagreement;
   if (match.has_update) {

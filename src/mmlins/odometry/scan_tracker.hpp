@@ -67,6 +67,7 @@ class ScanTracker {
   struct Match {
     filter::UpdateReport update;
     degeneracy::Observability observability;
+    math::Matrix6d unweighted = math::Matrix6d::Zero();  ///< only for the reference detectors
     double residual_rms = 0.0;
     bool has_update = false;
     bool is_first = false;  ///< there is no map yet
