@@ -268,10 +268,13 @@ def tables(catalogue: list[dict]) -> list[str]:
     return lines
 
 
-def write_page(catalogue: list[dict]) -> None:
+def write_page(catalogue: list[dict], left_out: list[str]) -> None:
     before, rest = PAGE.read_text().split(MARKS[0])
     after = rest.split(MARKS[1])[1]
-    PAGE.write_text("\n".join([before + MARKS[0], *tables(catalogue), MARKS[1]]) + after)
+    lines = tables(catalogue)
+    if left_out:
+        lines += ["", f"Not in these tables: {', '.join(f'`{name}`' for name in left_out)}."]
+    PAGE.write_text("\n".join([before + MARKS[0], *lines, MARKS[1]]) + after)
 
 
 def comment_of(figures: dict) -> list[str]:
@@ -336,15 +339,16 @@ def measure_all(chosen: argparse.Namespace) -> None:
 
 
 def write_all(cache: pathlib.Path) -> None:
-    catalogue = []
+    catalogue, left_out = [], []
     for name in names_of([]):
         path = cache / f"{name}.json"
         figures = json.loads(path.read_text()) if path.exists() else {}
         if figures.get("scenario") == fingerprint(essence_of((SCENARIOS / f"{name}.yaml").read_text())):
             catalogue.append(figures)
         else:
+            left_out.append(name)
             print(f"{name} is left out: {'it has changed since' if figures else 'not measured yet'}")
-    write_page(catalogue)
+    write_page(catalogue, left_out)
     for figures in catalogue:
         write_comment(figures)
 
