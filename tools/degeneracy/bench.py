@@ -18,7 +18,7 @@ METHODS = {  # what is handed to `run`; `plain` is another program
     "paper": ("odometry.detector=paper",),
     "published": ("odometry.detector=published",),
     "zhang": ("odometry.detector=zhang",),
-    "start_paper": ("odometry.initialization=paper",),
+    "start_paper": ("odometry.initialization.mode=paper",),
     "unsoftened": ("odometry.matching.soften_weak_directions=false",),
     "plain": (),
 }
@@ -101,12 +101,14 @@ class Bench(NamedTuple):
         scratch.rename(folder)
         return folder
 
-    def run(self, method: str, recording: Recording, out: pathlib.Path) -> None:
-        call(self.program_of(method), "run", recording.bag, "--rig", recording.rig, "--out", out, "--threads", 1,
-             *settings_words(METHODS[method]))
+    def run(self, method: str, recording: Recording, out: pathlib.Path) -> str:
+        """What it said on the way."""
+        return call(self.program_of(method), "run", recording.bag, "--rig", recording.rig, "--out", out,
+                    "--threads", 1, *settings_words(METHODS[method]))
 
     def evaluated(self, truth: pathlib.Path, estimate: pathlib.Path) -> dict:
-        return json.loads(call(self.mmlins, "evaluate", truth, estimate, "--json"))
+        said = call(self.mmlins, "evaluate", truth, estimate, "--json")
+        return json.JSONDecoder().raw_decode(said)[0]
 
 
 def call(program: str, *arguments: object) -> str:
@@ -114,7 +116,7 @@ def call(program: str, *arguments: object) -> str:
     if done.returncode != 0:
         said = done.stderr.strip().splitlines()
         raise Failed(f"{arguments[0]} ended with {done.returncode}: {said[-1] if said else 'nothing said'}")
-    return done.stdout
+    return done.stdout + done.stderr
 
 
 def settings_words(settings: tuple[str, ...]) -> list[str]:

@@ -3,14 +3,16 @@
 import json
 import pathlib
 import random
+import re
 import tempfile
 
 from degeneracy.bench import Bench, Item, Section, Wanted
-from degeneracy.health import PLACED, errors_at, percent, quantile, read_health, turn_rate_deg_s
+from degeneracy.health import PLACED, Health, errors_at, percent, quantile, read_health, turn_rate_deg_s
 from measure_scenarios import path_length, read_tum
 
 DURATION = 8.0  # of a recording [s]
 NUMBER = 120  # of recordings for one seed of the noise
+SCAN = 0.1  # duration of one [s]
 WAIT = 1.0  # from the declared start to the comparison [s]
 MAX_TILT_DEG, MAX_SPEED = 1.0, 0.1
 SENSORS = [("vlp16", 900), ("hdl32e", 600), ("mid360", 0), ("os1_64", 360), ("rs16", 900)]
@@ -51,11 +53,11 @@ def item_of(number: int, seed: int, method: str) -> Item:
 def measure(bench: Bench, item: Item) -> dict:
     with bench.recording_of(item) as made, tempfile.TemporaryDirectory() as name:
         out = pathlib.Path(name)
-        bench.run(item.method, made, out)
+        said = bench.run(item.method, made, out)
         rows, truth = read_health(out / "health.csv"), read_tum(made.truth)
         summary = json.loads((out / "summary.json").read_text())
     origin, last = truth[0].time, rows[-1].time
-    started = max(row.time for row in rows if row.state == "INITIALIZING")
+    started = start_of(said, rows)
     figures = {"speed_m_s": path_length(truth, origin, last) / (last - origin),
                "turn_deg_s": turn_rate_deg_s(truth, origin, min(last, origin + 3.0)),
                "began": [m["began"] for m in summary["maps"]], "states": summary["scans_by_state"]}
@@ -67,6 +69,13 @@ def measure(bench: Bench, item: Item) -> dict:
              and len(summary["maps"]) == 1)
     return figures | {"start_s": started - origin, "at_start": errors_at(rows, truth, started), "errors": errors,
                       "end": errors_at(rows, truth, last), "right": right}
+
+
+def start_of(said: str, rows: list[Health]) -> float:
+    """When the start was declared: of all scans that waited for it, some may not have been placed."""
+    found = re.search(r"started (?:at rest|in motion) after ([\d.]+) s", said)
+    declared = rows[0].time - SCAN + float(found[1]) if found else 0.0
+    return max([declared, *(row.time for row in rows if row.state == "INITIALIZING")])
 
 
 def line(figures: dict) -> str:
