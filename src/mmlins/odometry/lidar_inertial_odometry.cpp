@@ -51,6 +51,7 @@ ScanResult LidarInertialOdometry::track_with_doubt(const ScanPointer& scan) {
   if (asleep_) log::info("back in map {}", maps_.back().id);
   asleep_ = false;
   was_collapsed_ = false;
+  imu_was_silent_ = false;
   restart_.reset();
   unexplained_since_.reset();
   maps_.back().last_believed = result.time;
@@ -60,6 +61,8 @@ ScanResult LidarInertialOdometry::track_with_doubt(const ScanPointer& scan) {
 
 void LidarInertialOdometry::look_for_a_way_on(const ScanPointer& scan, const imu::Estimate& before, ScanResult& result) {
   const ScanTracker::Drift drift = tracker_->drift();
+  if (imu_.longest_gap(before.state.time, result.time) > from_seconds(imu::kLongestStep)) imu_was_silent_ = true;
+  if (!asleep_ && imu_was_silent_) fall_asleep(Cause::kImuGap);
   if (!asleep_ && (drift.position > config_.restart.max_drift ||
                    drift.rotation > config_.restart.max_drift_deg * std::numbers::pi / 180.0)) {
     fall_asleep(result.cause);
@@ -127,7 +130,7 @@ void LidarInertialOdometry::wake_in_new_map() {
   const imu::Estimate& last = tracker_->last_trusted();
   const imu::Estimate& first = restart_->begin();
   GapEdge gap{maps_.back().id, last.state.time, first.state.time,
-              last.state.T_odom_imu().inverse() * first.state.T_odom_imu(), first.P.topLeftCorner<6, 6>()};
+              last.state.T_odom_imu().inverse() * first.state.T_odom_imu(), !imu_was_silent_, first.P.topLeftCorner<6, 6>()};
   math::Matrix6d to_body = math::Matrix6d::Identity();
   to_body.bottomRightCorner<3, 3>() = first.state.R_odom_imu.transpose();
   gap.covariance = to_body * gap.covariance * to_body.transpose();
@@ -141,6 +144,7 @@ void LidarInertialOdometry::wake_in_new_map() {
   restart_.reset();
   unexplained_since_.reset();
   asleep_ = false;
+  imu_was_silent_ = false;
   log::info("map {} begins at {:.3f} s: {}", maps_.back().id, to_seconds(maps_.back().begin.time_since_epoch()), verdict);
 }
 

@@ -61,6 +61,7 @@ class LidarInertialOdometry {
   std::optional<Time> unexplained_since_;
   bool was_collapsed_ = false;            ///< the scan before was as small as under a cover
   bool asleep_ = false;
+  bool imu_was_silent_ = false;           ///< since the last scan that was believed, for longer than can be bridged
   std::vector<MapRecord> maps_;
   ReferenceDetection reference_;
 };

@@ -23,6 +23,7 @@ struct GapEdge {
   Time last;                 ///< in the map before
   Time first;                ///< in this one
   math::SE3 T_last_first;    ///< maps the IMU frame at `first` to that at `last`
+  bool is_known = true;      ///< false if the IMU was silent on the way: then nothing is known of the motion
   math::Matrix6d covariance = math::Matrix6d::Zero();  ///< of the error e in T Exp(e), [rotation; translation]
 };
 

@@ -105,6 +105,7 @@ ordered_json maps_json(const RunResult& result) {
       const math::Vector6d sigma = map.gap->covariance.diagonal().cwiseSqrt();
       entry["gap"] = {{"from_map", map.gap->from_map},
                       {"seconds", to_seconds(map.gap->first - map.gap->last)},
+                      {"motion_is_known", map.gap->is_known},
                       {"metres", map.gap->T_last_first.t.norm()},
                       {"std_rotation_rad", sigma.head<3>().maxCoeff()},
                       {"std_position_m", sigma.tail<3>().maxCoeff()}};
