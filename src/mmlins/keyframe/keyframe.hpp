@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+// What the odometry hands on: a place, what was seen from it, and which way is down. Its pose is in the frame
+// of its own map; points stay in the body frame, so that no optimisation ever has to rewrite them.
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "mmlins/base/time.hpp"
+#include "mmlins/math/se3.hpp"
+
+namespace mmlins::keyframe {
+
+struct Keyframe {
+  int id = 0;
+  int map_id = 0;
+  Time time;  ///< of the pose and of the points
+  math::SE3 T_map_imu;
+  math::Vector3d down_imu = -math::Vector3d::UnitZ();  ///< direction of gravity, unit, in the IMU frame
+  std::vector<Eigen::Vector3f> points_imu;             ///< thinned, straightened [m]
+};
+
+/// Keyframes are shared between stages and never changed.
+using KeyframePointer = std::shared_ptr<const Keyframe>;
+using Keyframes = std::vector<KeyframePointer>;
+
+}  // namespace mmlins::keyframe
