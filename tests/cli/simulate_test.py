@@ -67,7 +67,8 @@ class Simulate(unittest.TestCase):
             self.assertTrue(filecmp.cmp(self.path("a/" + name), self.path("b/" + name), shallow=False), name)
 
     def test_a_path_through_a_wall_and_a_missing_cloud_are_refused_and_leave_nothing(self):
-        self.assert_refused(simulate("demo", "--out", self.path("a"), "--set", "trajectory.semi_axis_x=30"), "leads through", "demo")
+        through = simulate("demo", "--out", self.path("a"), "--set", "trajectory.semi_axis_x=30")
+        self.assert_refused(through, "demo", "leads through a surface after", "s, at x", "choose another course")
         cloud = ["demo", "--out", self.path("a"), "--set", "world.scene=cloud", "--set"]
         self.assert_refused(simulate(*cloud, "world.file=/missing.pcd"), "/missing.pcd")
         self.assertFalse(os.path.exists(self.path("a")))
@@ -97,11 +98,53 @@ class Simulate(unittest.TestCase):
             "packet_loss,1700000001.750000000,1700000001.850000000,1\n",
         )
 
+    def assert_setting_refused(self, setting, *words):
+        with self.subTest(setting=setting):
+            self.assert_refused(simulate("demo", "--out", self.path("a"), *SHORT, "--set", setting), *words)
+            self.assertFalse(os.path.exists(self.path("a")))
+
     def test_an_event_outside_of_the_recording_is_refused(self):
-        event = "events=[{kind: bag, start: 1.5, duration: 1}]"
-        result = simulate("demo", "--out", self.path("a"), *SHORT, "--set", event)
-        self.assert_refused(result, "bag:1.5:1", "2.000 s")
-        self.assertFalse(os.path.exists(self.path("a")))
+        self.assert_setting_refused("events=[{kind: bag, start: 1.5, duration: 1}]", "bag:1.5:1", "2.000 s",
+                                    "let it begin and end within")
+        self.assert_setting_refused("events=[{kind: bag, start: -1, duration: 1}]", "events[0].start", "0 to")
+
+    def test_events_without_length_of_unknown_kind_or_impossible_severity_are_refused(self):
+        for duration in ("0", "-0.5"):
+            self.assert_setting_refused("events=[{kind: bag, start: 1, duration: %s}]" % duration,
+                                        "events[0].duration is " + duration, "accepted", "0.001 to")
+        self.assert_setting_refused("events=[{kind: fog, start: 1, duration: 0.5}]", "events[0].kind is fog", "smoke")
+        self.assert_setting_refused("events=[{kind: bag, start: 1, duration: 0.5, severity: 9}]", "bag:1:0.5:9",
+                                    "distance of the membrane", "0.15 to 1.5 m")
+
+    def test_an_unknown_part_is_refused_with_a_list_of_those_there_are(self):
+        self.assert_setting_refused("sensor.model=vlp17", "sensor.model", "'vlp17'", "vlp16", "avia", ".yaml")
+        self.assert_setting_refused("sensor.model=mine.yaml", "mine.yaml", "no such file")
+        self.assert_setting_refused("world.scene=moon", "world.scene is moon", "street", "decoy")
+        self.assert_setting_refused("trajectory.carrier=horse", "trajectory.carrier is horse", "quadruped")
+        self.assert_setting_refused("imu.model=abacus", "imu.model is abacus", "bmi088")
+
+    def test_stops_that_overlap_or_lie_outside_are_refused(self):
+        longer = "duration=60", "--set"
+        both = "trajectory.stops=[{at: 20, duration: 5}, {at: 28, duration: 2}]"
+        self.assert_refused(simulate("demo", "--out", self.path("a"), "--set", *longer, both),
+                            "demo: trajectory.stops: the stop at 28 s overlaps the stop at 20 s", "begin at 29 s")
+        self.assert_setting_refused("trajectory.stops=[{at: 30, duration: 5}]", "the stop at 30 s", "lasts 2 s")
+
+    def test_two_rides_at_once_are_refused(self):
+        events = "events=[{kind: kidnap, start: 0.5, duration: 1}, {kind: kidnap, start: 1, duration: 0.5}]"
+        self.assert_setting_refused(events, "kidnap:1:0.5", "overlaps kidnap:0.5:1", "one ride at a time")
+
+    def test_a_cloud_without_points_is_refused(self):
+        head = "ply\nformat ascii 1.0\nelement vertex 0\n"
+        self.write("empty.ply", head + "".join("property float %s\n" % axis for axis in "xyz") + "end_header\n")
+        self.write("empty.pcd", "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 0\nHEIGHT 1\n"
+                   "POINTS 0\nDATA ascii\n")
+        self.write("nothing.ply", "")
+        for name, words in (("empty.ply", "holds no points"), ("empty.pcd", "holds no points"),
+                            ("nothing.ply", "no PLY file")):
+            cloud = ("--set", "world.scene=cloud", "--set", "world.file=" + self.path(name))
+            self.assert_refused(simulate("demo", "--out", self.path("a"), *cloud), name, words)
+        self.assert_setting_refused("world.scene=cloud", "world.file", ".pcd or .ply")
 
     def test_lists_the_scenarios_with_what_they_are(self):
         result = simulate("--list")

@@ -75,9 +75,13 @@ TEST(EventSpec, EventsOutsideOfTheRecordingAreRefused) {
   };
   EXPECT_EQ(error(15.0, 5.0, 0.0), "accepted");
   EXPECT_EQ(error(15.0, 5.001, 0.0),
-            "a.bag: event bag:15:5.001:0.6 lies outside of the recording, which lasts 20.000 s");
-  EXPECT_EQ(error(-1.0, 2.0, 0.5),
-            "a.bag: event bag:-1:2:0.5 lies outside of the recording, which lasts 20.000 s");
+            "a.bag: event bag:15:5.001:0.6 lies outside of the recording, which lasts 20.000 s; let it begin "
+            "and end "
+            "within");
+  EXPECT_EQ(
+      error(-1.0, 2.0, 0.5),
+      "a.bag: event bag:-1:2:0.5 lies outside of the recording, which lasts 20.000 s; let it begin and end "
+      "within");
   EXPECT_EQ(error(1.0, 0.0, 0.5), "a.bag: event bag:1:0:0.5: the duration must be 0.001 to 1000000 s");
   EXPECT_EQ(error(1.0, 1e300, 0.5), "a.bag: event bag:1:1e+300:0.5: the duration must be 0.001 to 1000000 s");
   EXPECT_EQ(error(1.0, 2.0, 3.0),

@@ -178,7 +178,8 @@ TEST(Carrier, StopsThatOverlapOrLieOutsideAreRefusedInOneLine) {
   EXPECT_EQ(error_of({{30, 5}, {7, 5}}), "accepted");
   EXPECT_EQ(error_of({{55, 5}}), "accepted");
   EXPECT_EQ(error_of({{56, 5}}),
-            "x: trajectory.stops: the stop at 56 s for 5 s lies outside of the recording, which lasts 60 s");
+            "x: trajectory.stops: the stop at 56 s for 5 s lies outside of the recording, which lasts 60 s; "
+            "let it end within");
   EXPECT_EQ(error_of({{20, 5}, {28, 2}}),
             "x: trajectory.stops: the stop at 28 s overlaps the stop at 20 s for 5 s: slowing down takes 2 s "
             "(trajectory.ramp), so it can begin at 29 s");

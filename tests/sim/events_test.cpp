@@ -94,8 +94,10 @@ TEST(SimulatedEvents, EventsAreReadFromAScenarioAndFromTheCommandLine) {
 TEST(SimulatedEvents, AnEventOutsideOfTheRecordingIsRefused) {
   const auto config = load_scenario("demo", {"events=[{kind: bag, start: 29, duration: 2}]"});
   ASSERT_FALSE(config.ok());
-  EXPECT_EQ(config.error().message,
-            "demo: event bag:29:2:0.6 lies outside of the recording, which lasts 30.000 s");
+  EXPECT_EQ(
+      config.error().message,
+      "demo: event bag:29:2:0.6 lies outside of the recording, which lasts 30.000 s; let it begin and end "
+      "within");
 }
 
 }  // namespace

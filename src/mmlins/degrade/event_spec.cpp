@@ -144,7 +144,9 @@ Status validate(const EventSpec& event, Duration length, const std::string& sour
                       to_text(event), kLongest);
   }
   if (!(event.start >= 0.0 && event.start <= kLongest) || event.end() > length) {
-    return make_error(ErrorCode::kInvalid, "{}: event {} lies outside of the recording, which lasts {:.3f} s",
+    return make_error(ErrorCode::kInvalid,
+                      "{}: event {} lies outside of the recording, which lasts {:.3f} s; let it begin "
+                      "and end within",
                       source, to_text(event), to_seconds(length));
   }
   return {};

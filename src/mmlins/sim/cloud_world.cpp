@@ -119,6 +119,9 @@ std::vector<Disc> discs_of(std::span<const Eigen::Vector3f> points, const CloudD
 Result<std::unique_ptr<World>> load_cloud_world(const std::string& path, const CloudDiscs& config) {
   const auto points = read_cloud(path);
   if (!points) return points.error();
+  if (points->empty())
+    return make_error(ErrorCode::kInvalid, "{}: holds no points; give a cloud of the site as world.file",
+                      path);
   std::vector<Disc> discs = discs_of(*points, config);
   if (discs.empty()) {
     return make_error(

@@ -59,9 +59,11 @@ Status validate_stops(const TrajectoryConfig& config, std::vector<Stop> stops, d
   const Stop* last = nullptr;
   for (const Stop& stop : stops) {
     if (stop.at + stop.duration > duration) {
-      return make_error(ErrorCode::kInvalid,
-                        "{}: the stop at {} s for {} s lies outside of the recording, which lasts {} s",
-                        source, stop.at, stop.duration, duration);
+      return make_error(
+          ErrorCode::kInvalid,
+          "{}: the stop at {} s for {} s lies outside of the recording, which lasts {} s; let it "
+          "end within",
+          source, stop.at, stop.duration, duration);
     }
     if (stop.at - config.ramp < free_from) {
       const std::string before =
