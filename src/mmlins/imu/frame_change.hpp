@@ -6,7 +6,7 @@
 
 namespace mmlins::imu {
 
-/// Everything that is in odom coordinates, in those of a frame in which odom is placed at `T_new_odom`.
+/// Everything that is in odom coordinates, in those of a frame in which odom is placed at `T_new_odom`. Eq. (23).
 [[nodiscard]] NavState transformed(const math::SE3& T_new_odom, const NavState& state);
 /// The same with its covariance. Eq. (24).
 [[nodiscard]] Estimate transformed(const math::SE3& T_new_odom, const Estimate& estimate);
