@@ -172,8 +172,6 @@ def measured(programs: Programs, name: str, overrides: list[str]) -> dict:
         return {"path_m": figures["path_length_m"], "duration_s": figures["duration_s"],
                 "ate_m": figures["ate_m"]["rmse"], "ate_max_m": figures["ate_m"]["max"],
                 "end_to_end_m": figures["end_to_end"]["translation_m"], "states": summary["scans_by_state"],
-                "ms_mean": summary["stages"]["total"]["mean_ms"],
-                "ms_p99": summary["stages"]["total"]["p99_ms"],
                 "events": [judged(event, truth, odometry) for event in events]}
 
 
@@ -236,7 +234,7 @@ def scenario_row(figures: dict) -> str:
     ate_spoilt = metres(spoilt["ate_m"]) if spoilt else ""
     return (f"| `{figures['name']}` | {model_of(text, 'sensor')}, {model_of(text, 'imu')} | "
             f"{twin['path_m']:.0f} m, {twin['duration_s']:.0f} s | {metres(twin['ate_m'])} | {ate_spoilt} | "
-            f"{states['DEGRADED']} / {states['BRIDGING']} of {sum(states.values())} | {twin['ms_mean']:.1f} |")
+            f"{states['DEGRADED']} / {states['BRIDGING']} of {sum(states.values())} |")
 
 
 def event_row(name: str, event: dict) -> str:
@@ -261,7 +259,7 @@ def tables(catalogue: list[dict]) -> list[str]:
     lines = ["| set | events | of which | broken or lost |", "|---|---|---|---|",
              count_line("development", others), count_line("held out", held_out), ""]
     lines += ["| scenario | sensor, IMU | path | ATE without events [m] | with events [m] | "
-              "DEGRADED / BRIDGING scans | ms per scan |", "|---|---|---|---|---|---|---|",
+              "DEGRADED / BRIDGING scans |", "|---|---|---|---|---|---|",
               *map(scenario_row, catalogue), ""]
     lines += ["| scenario | begins at | event | path in it | drift at its end [m] | 5 s later [m] | |",
               "|---|---|---|---|---|---|---|", *(event_row(name, event) for name, event in events)]
