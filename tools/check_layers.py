@@ -16,6 +16,7 @@ from pathlib import Path
 WRAPPED = {
     "tbb": ["src/mmlins/base"],
     "yaml-cpp": ["src/mmlins/config"],
+    "ceres": ["src/mmlins/graph"],
     "rosbag": ["src/mmlins/io"],
     "ros": ["src/mmlins/io"],
     "nlohmann": ["src/mmlins/pipeline", "apps"],
