@@ -140,6 +140,7 @@ void LidarInertialOdometry::wake_in_new_map() {
                    maps_.back().T_first_map});
   const math::SE3 T_odom_imu = tracker_->estimate().state.T_odom_imu();
   tracker_ = restart_->take();
+  tracker_->begin_to_doubt();
   tracker_->call_the_pose(T_odom_imu);
   restart_.reset();
   unexplained_since_.reset();
@@ -163,6 +164,7 @@ std::vector<ScanResult> LidarInertialOdometry::try_to_start(const OdometryConfig
   if (!start) return {};
   log::info("started {} after {:.1f} s", start->at_rest ? "at rest" : "in motion", window);
   tracker_ = std::move(start->tracker);
+  tracker_->begin_to_doubt();
   waiting_.clear();
   maps_.push_back({0, start->at_rest ? MapBeginning::kAtRest : MapBeginning::kInMotion, start->results.front().time,
                    start->results.back().time, Cause::kNone, std::nullopt, {}});

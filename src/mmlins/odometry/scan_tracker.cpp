@@ -153,6 +153,11 @@ ScanResult ScanTracker::carry(std::shared_ptr<const sensor::LidarScan> scan, con
   return result;
 }
 
+void ScanTracker::begin_to_doubt() {
+  doubts_ = true;
+  agreement_.clear();
+}
+
 void ScanTracker::set_estimate(const imu::Estimate& estimate) {
   MMLINS_CHECK(estimate.state.time == estimate_.state.time);
   estimate_ = last_trusted_ = estimate;
@@ -212,12 +217,13 @@ ScanTracker::Match ScanTracker::match(const Prepared& prepared, const imu::Estim
 Verdict ScanTracker::judge(const Match& match, const Motion& motion, const sensor::ImuBuffer& imu, ScanResult& result) {
   estimate_ = motion.propagation.estimate;
   if (match.is_first) return {true, Cause::kNone};
-  // The others' systems believe every match that is large enough.
-  if (config_.detector != DetectorKind::kDefault) {
-    is_bridging_ = !match.has_update;
-    return {match.has_update, match.has_update ? Cause::kNone : Cause::kTooFewMatches};
-  }
   Evidence evidence{result.time, result.num_points, result.median_range, match.has_update, result.explained, 0.0, false};
+  // While the start is sought, and in the systems that ours is compared with, every match is believed.
+  if (!doubts_ || config_.detector != DetectorKind::kDefault) {
+    if (match.has_update) judge_.learn(evidence);
+    is_bridging_ = !match.has_update;
+    return {match.has_update, match.has_update ? Cause::kNone : result.num_points == 0 ? Cause::kNoPoints : Cause::kTooFewMatches};
+  }
   std::optional<Disagreement> disagreement;
   if (match.has_update) {
     evidence.return_chi2 = return_chi2(match.update.estimate, estimate_, match.update.information.H);

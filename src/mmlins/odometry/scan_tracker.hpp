@@ -33,6 +33,10 @@ class ScanTracker {
   /// Moves on with the IMU alone, as if the scan had not been taken.
   [[nodiscard]] ScanResult carry(std::shared_ptr<const sensor::LidarScan> scan, const sensor::ImuBuffer& imu, Cause cause);
 
+  /// From here on a match may be refused. While the start is sought, velocity and gravity are not what the filter
+  /// takes them for, and every match is needed.
+  void begin_to_doubt();
+
   [[nodiscard]] const imu::Estimate& estimate() const { return estimate_; }
   /// Replaces the estimate by a better one of the same time and frame.
   void set_estimate(const imu::Estimate& estimate);
@@ -91,6 +95,7 @@ class ScanTracker {
   MotionAgreement agreement_;
   double leaf_;
   bool is_bridging_ = false;
+  bool doubts_ = false;
   int num_insertions_ = 0;
   math::SE3 T_map_last_insertion_;
 };

@@ -67,12 +67,16 @@ Cause TrustJudge::reason_to_refuse(const Evidence& evidence) const {
 Verdict TrustJudge::judge(const Evidence& evidence) {
   const Cause cause = reason_to_refuse(evidence);
   if (cause != Cause::kNone) return {false, cause};
+  learn(evidence);
+  return {true, Cause::kNone};
+}
+
+void TrustJudge::learn(const Evidence& evidence) {
   const Duration window = from_seconds(config_.usual_window);
   explained_.push(evidence.time, evidence.explained, window);
   range_.push(evidence.time, evidence.median_range, window);
   count_.push(evidence.time, evidence.num_points, window);
   last_trusted_ = evidence.time;
-  return {true, Cause::kNone};
 }
 
 }  // namespace mmlins::odometry

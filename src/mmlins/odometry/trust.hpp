@@ -63,6 +63,8 @@ class TrustJudge {
   explicit TrustJudge(const TrustConfig& config) : config_(config) {}
 
   [[nodiscard]] Verdict judge(const Evidence& evidence);
+  /// Takes the scan for usual without judging it.
+  void learn(const Evidence& evidence);
   /// Whether enough was tracked to know what is usual.
   [[nodiscard]] bool knows_the_usual() const { return explained_.median().has_value(); }
   /// Whether the scan has shrunk against what was usual before trust was lost, as under a cover.
