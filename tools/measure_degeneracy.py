@@ -3,7 +3,7 @@
 """Measures whether odometry knows when it is lost, says so, and starts again; fills docs/results/degeneracy.md.
 
     tools/measure_degeneracy.py --cache FOLDER --mmlins PROGRAM [--only free,restart] [--seeds 1,2] [NAME | GLOB ...]
-    tools/measure_degeneracy.py --cache FOLDER --write
+    tools/measure_degeneracy.py --cache FOLDER --mmlins PROGRAM --measured --write
 
 Every item's figures are kept in the cache, one JSON each, and are not measured again by the same program: so it
 can be done in pieces. --plain names the program of before, for comparison; --recordings keeps what was simulated.
@@ -16,7 +16,7 @@ import sys
 import time
 
 from degeneracy import bag_map, cold, events, free, recorded, restart
-from degeneracy.bench import Bench, Item, Section, Wanted, all_figures, figures_of
+from degeneracy.bench import Bench, Item, Section, Wanted, all_figures, digest, figures_of
 
 SECTIONS = {"events": events.SECTION, "free": free.SECTION, "restart": restart.SECTION, "cold": cold.SECTION,
             "bag": bag_map.SECTION, "recorded": recorded.SECTION}
@@ -38,6 +38,7 @@ def options() -> argparse.Namespace:
     parser.add_argument("--methods", default="default", help="detectors and ways to start, and `plain`")
     parser.add_argument("--seeds", default="1", help="of the noise")
     parser.add_argument("--again", action="store_true", help="measure also what the cache holds")
+    parser.add_argument("--measured", action="store_true", help="measure nothing: --write what the cache holds of --mmlins")
     parser.add_argument("--write", action="store_true", help="put all figures into the documentation")
     return parser.parse_args()
 
@@ -57,10 +58,12 @@ def is_wanted(item: Item, patterns: list[str]) -> bool:
     return not patterns or any(fnmatch.fnmatch(item.name, pattern) for pattern in patterns)
 
 
-def write_page(cache: pathlib.Path) -> None:
+def write_page(cache: pathlib.Path, program: str | None) -> None:
+    """Of one program, if it is given; what has been measured with others stays in the cache."""
     text = PAGE.read_text()
     for name, section in SECTIONS.items():
-        figures = all_figures(cache / name)
+        figures = [f for f in all_figures(cache / name)
+                   if program is None or f["method"] == "plain" or f["program"] == digest(program)]
         if not figures:
             print(f"{name} is left as it is: nothing was measured")
             continue
@@ -81,12 +84,12 @@ def main() -> None:
         chosen.recordings.mkdir(parents=True, exist_ok=True)
     wanted = Wanted(chosen.methods.split(","), [int(seed) for seed in chosen.seeds.split(",")], chosen.names,
                     chosen.recording, chosen.catalogue)
-    if chosen.mmlins:
+    if chosen.mmlins and not chosen.measured:
         bench = Bench(chosen.mmlins, chosen.simulator or chosen.mmlins, chosen.plain, chosen.recordings)
         for name in names:
             measure_section(name, SECTIONS[name], bench, chosen, wanted)
     if chosen.write:
-        write_page(chosen.cache)
+        write_page(chosen.cache, chosen.mmlins)
 
 
 if __name__ == "__main__":

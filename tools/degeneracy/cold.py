@@ -89,24 +89,24 @@ def line(figures: dict) -> str:
 
 
 def table(all_figures: list[dict], _: pathlib.Path) -> list[str]:
-    lines = ["| set | method | sensor | n | right | wrong | never started | time to start, median / most [s] | "
+    lines = ["| set | method | sensor or IMU | n | right | wrong | never started | time to start, median / most [s] | "
              "tilt, median / 95 % [deg] | velocity, median / 95 % [m/s] |", "|---|---|---|---|---|---|---|---|---|---|"]
     good = [f for f in all_figures if "failed" not in f]
     for group, method in sorted({(f["group"], f["method"]) for f in good}):
         chosen = [f for f in good if (f["group"], f["method"]) == (group, method)]
-        sensors = sorted({f["about"]["sensor"] for f in chosen})
-        lines += [row_of(group, method, sensor, [f for f in chosen if f["about"]["sensor"] == sensor])
-                  for sensor in sensors]
+        for part in ("sensor", "imu"):
+            kinds = sorted({f["about"][part] for f in chosen})
+            lines += [row_of(group, method, kind, [f for f in chosen if f["about"][part] == kind]) for kind in kinds]
         lines.append(row_of(group, method, "all", chosen))
     return lines
 
 
-def row_of(group: str, method: str, sensor: str, chosen: list[dict]) -> str:
+def row_of(group: str, method: str, kind: str, chosen: list[dict]) -> str:
     started = [f for f in chosen if f["start_s"] is not None]
     right = sum(f["right"] for f in chosen)
     times = [f["start_s"] for f in started]
     tilt, speed = ([f["errors"][name] for f in started] for name in ("tilt_deg", "speed_m_s"))
-    return (f"| {group} | {method} | {sensor} | {len(chosen)} | {percent(right, len(chosen))} | "
+    return (f"| {group} | {method} | {kind} | {len(chosen)} | {percent(right, len(chosen))} | "
             f"{len(started) - right} | {len(chosen) - len(started)} | "
             f"{quantile(times, 0.5):.1f} / {quantile(times, 1.0):.1f} | "
             f"{quantile(tilt, 0.5):.2f} / {quantile(tilt, 0.95):.2f} | "

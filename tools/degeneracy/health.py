@@ -11,6 +11,7 @@ from measure_scenarios import Pose, Vector, pose_at, rotate
 FLAGGED = ("BRIDGING", "LOST", "RELOCATING")
 PLACED = ("TRACKING", "DEGRADED")
 CLOSED_GAP = 1.0  # episodes that are no farther apart are one [s]
+LONGEST_STEP = 0.5  # where scans are missing for longer, there is no step to judge [s]
 HALF_STEP = 0.01  # of the differences that make the true velocity [s]
 
 
@@ -125,6 +126,9 @@ def steps_of(odometry: list[Pose], truth: list[Pose]) -> Steps:
     """Errors of steps are taken in the IMU frame, so that an old error of heading is none."""
     excess, jump, jump_at, last = 0.0, 0.0, 0.0, None
     for a, b in zip(odometry, odometry[1:]):
+        if b.time - a.time > LONGEST_STEP:
+            last = None
+            continue
         true_a, true_b = pose_at(truth, a.time), pose_at(truth, b.time)
         excess = max(excess, math.dist(a.p, b.p) - math.dist(true_a.p, true_b.p))
         error = tuple(u - v for u, v in zip(step_in_body(a, b), step_in_body(true_a, true_b)))
