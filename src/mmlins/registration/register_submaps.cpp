@@ -20,6 +20,7 @@ using math::Vector3d;
 using math::Vector6d;
 
 constexpr int kMinMatches = 100;
+constexpr double kLevel = 0.9;        // of a normal's z component
 constexpr double kSmallTurn = 2e-5;   // a step below which a stage has converged [rad]
 constexpr double kSmallShift = 5e-4;  // [m]
 
@@ -36,6 +37,15 @@ std::vector<std::size_t> sample(std::span<const Eigen::Vector3f> points, double 
   std::vector<std::size_t> samples;
   for (std::size_t i = 0; i < limit; ++i) samples.push_back(spread[i * spread.size() / limit]);
   return samples;
+}
+
+/// Whether a point is part of a floor or ceiling.
+bool is_level(const std::vector<GaussianMap>& levels, const Vector3d& p) {
+  for (auto level = levels.rbegin(); level != levels.rend(); ++level) {
+    const SurfaceCell* cell = level->at(p);
+    if (cell != nullptr) return cell->num_thin == 1 && std::abs(cell->axes(2, 0)) > kLevel;
+  }
+  return false;
 }
 
 SE3 levelled(const SE3& T) {
@@ -92,16 +102,19 @@ struct Account {
   double squares = 0.0;
   int num_rows = 0;
   int num_on_surface = 0;
+  int num_standing = 0;                                // of those
   std::unordered_map<std::uint64_t, double> clusters;  // sum of normalised residuals of each
 };
 
 Account take_account(const PreparedSubmap& source, const SE3& T, const Matching& matching,
                      const RegistrationConfig& config) {
   Account account;
-  for (const Vector3d& p : source.samples) {
+  for (std::size_t i = 0; i < source.samples.size(); ++i) {
+    const Vector3d& p = source.samples[i];
     const auto residual = residual_of(p, T, matching);
     if (!residual || residual->error.head(residual->num_rows).norm() > config.overlap_distance) continue;
     ++account.num_on_surface;
+    account.num_standing += source.stands[i] ? 1 : 0;
     account.information.spurious += spurious_information(*residual, p, T);
     const std::uint64_t block = math::cell_key(math::cell_at<double>(p, 1.0 / config.cluster_size));
     for (int k = 0; k < residual->num_rows; ++k) {
@@ -141,6 +154,8 @@ void assess(Registration& result, const PreparedSubmap& source, const PreparedSu
   Account account = take_account(source, result.T_target_source, finest_matching(target, config), config);
   if (account.num_rows == 0) return;
   result.overlap = static_cast<double>(account.num_on_surface) / static_cast<double>(source.samples.size());
+  const auto standing = std::count(source.stands.begin(), source.stands.end(), true);
+  result.standing_overlap = standing > 0 ? account.num_standing / static_cast<double>(standing) : 0.0;
   result.residual_rms = std::sqrt(account.squares / account.weights);
   result.chi2 = account.chi2 / account.weights;
   result.correlation = correlation_of(account, config.min_correlation);
@@ -187,6 +202,7 @@ PreparedSubmap prepare(const keyframe::Submap& submap, const RegistrationConfig&
   for (const std::size_t i : sample(submap.points, config.sample_spacing, config.max_samples)) {
     prepared.samples.push_back(submap.points[i].cast<double>());
     prepared.viewpoints.push_back(submap.viewpoints[submap.views[i]].cast<double>());
+    prepared.stands.push_back(!is_level(prepared.levels, prepared.samples.back()));
   }
   return prepared;
 }

@@ -35,6 +35,7 @@ struct PreparedSubmap {
   std::vector<GaussianMap> levels;         ///< largest cells first
   std::vector<math::Vector3d> samples;     ///< some of its points [m]
   std::vector<math::Vector3d> viewpoints;  ///< for each sample: where it was seen from [m]
+  std::vector<bool> stands;                ///< for each sample: whether it is no part of a floor or ceiling
 };
 [[nodiscard]] PreparedSubmap prepare(const keyframe::Submap& submap, const RegistrationConfig& config);
 
@@ -45,10 +46,11 @@ struct Registration {
   math::SE3 T_target_source;
   /// Of T_target_source [+] xi = T Exp(xi); what noisy normals feign has been taken out.
   math::Matrix6d information = math::Matrix6d::Zero();
-  double overlap = 0.0;       ///< share of the source's samples that lie on a surface of the target
-  double residual_rms = 0.0;  ///< of the samples on surfaces [m]
-  double chi2 = 0.0;          ///< mean of the squared normalised residuals
-  double correlation = 1.0;   ///< how many neighbouring residuals are worth one
+  double overlap = 0.0;           ///< share of the source's samples that lie on a surface of the target
+  double standing_overlap = 0.0;  ///< the same of what stands: floors fit upon floors anywhere
+  double residual_rms = 0.0;      ///< of the samples on surfaces [m]
+  double chi2 = 0.0;              ///< mean of the squared normalised residuals
+  double correlation = 1.0;       ///< how many neighbouring residuals are worth one
   degeneracy::Observability observability;  ///< axes in the frame of the source
   int iterations = 0;
 };

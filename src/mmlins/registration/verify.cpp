@@ -68,20 +68,22 @@ Attempts best_of(const std::vector<Registration>& results) {
   return attempts;
 }
 
-/// How far results from perturbed starts stray, along what is determined.
+/// How far results from perturbed starts stray, along what is determined; those that the prior rules out do
+/// not count.
 struct Spread {
   double position = 0.0;  // [m]
   double rotation_deg = 0.0;
 };
 
 Spread spread_of(const PreparedSubmap& source, const PreparedSubmap& target, const Registration& best,
-                 const VerificationConfig& config) {
+                 const std::optional<PosePrior>& prior, const VerificationConfig& config) {
   Spread spread;
   for (const double sign : {1.0, -1.0}) {
     const double yaw = sign * config.perturbation_deg / kDeg;
     const Vector3d shift = config.perturbation * Vector3d(sign * 0.8, 0.6, 0.0);
     const SE3 start = best.T_target_source * SE3{math::so3_exp(Vector3d(0, 0, yaw)), shift};
     const Registration again = register_submaps(source, target, start, config.registration);
+    if (prior && prior_chi2(again, *prior) > config.max_prior_chi2) continue;
     const Vector6d apart = observed_part(difference(best.T_target_source, again.T_target_source),
                                          best.information, best.observability);
     spread.position = std::max(spread.position, apart.tail<3>().norm());
@@ -100,6 +102,9 @@ std::optional<std::string> fault_of_fit(const Registration& result, const Verifi
   if (result.status == RegistrationStatus::kTooFewMatches) return "fewer than 100 points meet a surface";
   if (result.overlap < config.min_overlap)
     return fmt::format("overlap {:.2f} is below {:.2f}", result.overlap, config.min_overlap);
+  if (result.standing_overlap < config.min_standing_overlap)
+    return fmt::format("overlap {:.2f} of what stands is below {:.2f}", result.standing_overlap,
+                       config.min_standing_overlap);
   if (result.status == RegistrationStatus::kNotConverged)
     return fmt::format("no convergence in {} iterations", result.iterations);
   if (result.residual_rms > config.max_residual)
@@ -132,6 +137,8 @@ Fields VerificationConfig::fields() {
       group("registration", registration, "how submaps are registered"),
       field("min_overlap", min_overlap, "", {0.0, 1.0},
             "share of the points that must lie on surfaces of the other"),
+      field("min_standing_overlap", min_standing_overlap, "", {0.0, 1.0},
+            "the same of the points that are no floor or ceiling"),
       field("max_residual", max_residual, "m", {0.001, 2.0}, "of those points, root mean square"),
       field("max_tilt_deg", max_tilt_deg, "deg", {0.0, 90.0}, "between two submaps that are both level"),
       field("max_crossing_share", max_crossing_share, "", {0.0, 1.0},
@@ -165,18 +172,19 @@ Verification verify(const PreparedSubmap& source, const PreparedSubmap& target, 
     return rejected(result, fmt::format("{:.1f} % of rays pass through surfaces of the other, over {:.1f} %",
                                         100 * result.crossing_share, 100 * config.max_crossing_share));
   }
-  const Spread spread = spread_of(source, target, best, config);
+  const Spread spread = spread_of(source, target, best, prior, config);
   if (spread.position > config.agree_within || spread.rotation_deg > config.agree_within_deg) {
     return rejected(result, fmt::format("starts nearby end {:.2f} m and {:.2f} deg apart", spread.position,
                                         spread.rotation_deg));
   }
   result.accepted = true;
   result.reason = fmt::format(
-      "accepted: overlap {:.2f}, residual {:.3f} m, {:.1f} % of rays cross, starts agree within {:.3f} m and "
+      "accepted: overlap {:.2f} ({:.2f} of what stands), residual {:.3f} m, {:.1f} % of rays cross, starts "
+      "agree within {:.3f} m and "
       "{:.2f} deg, "
       "{} of 6 directions undetermined",
-      best.overlap, best.residual_rms, 100 * result.crossing_share, spread.position, spread.rotation_deg,
-      best.observability.num_weak());
+      best.overlap, best.standing_overlap, best.residual_rms, 100 * result.crossing_share, spread.position,
+      spread.rotation_deg, best.observability.num_weak());
   return result;
 }
 

@@ -14,9 +14,10 @@ namespace mmlins::registration {
 struct VerificationConfig {
   RegistrationConfig registration;
   double min_overlap = 0.4;
+  double min_standing_overlap = 0.5;
   double max_residual = 0.12;
   double max_tilt_deg = 2.0;
-  double max_crossing_share = 0.05;
+  double max_crossing_share = 0.03;
   double perturbation = 1.5;
   double perturbation_deg = 7.0;
   double agree_within = 0.1;
