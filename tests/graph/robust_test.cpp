@@ -18,14 +18,26 @@ Edge false_loop(int num_nodes, const Matrix6d& information, math::Random& random
   return edge;
 }
 
-TEST(Gnc, WeightsTurnFromEqualToZeroOrOne) {
-  EXPECT_NEAR(truncated_weight(100.0, first_convexity(100.0)), 0.0, 0.5);
-  EXPECT_GT(truncated_weight(99.0, first_convexity(100.0)), 0.0);
-  EXPECT_EQ(truncated_weight(0.5, 1e6), 1.0);
-  EXPECT_EQ(truncated_weight(2.0, 1e6), 0.0);
-  for (const double mu : {1e-3, 1.0, 1e3}) {  // continuous where the branches meet
-    EXPECT_NEAR(truncated_weight(mu / (mu + 1.0) * (1.0 + 1e-12), mu), 1.0, 1e-6);
-    EXPECT_NEAR(truncated_weight((mu + 1.0) / mu * (1.0 - 1e-12), mu), 0.0, 1e-6);
+TEST(Gnc, WeightsBeginNearlyEqualAndPartAtTheLimit) {
+  const double width = first_width(100.0);
+  EXPECT_NEAR(graduated_weight(100.0, width), 4.0 / 9.0, 1e-12);
+  EXPECT_NEAR(graduated_weight(0.0, width), 1.0, 1e-12);
+  EXPECT_NEAR(graduated_weight(1.0, 1.0), 0.25, 1e-12);
+  EXPECT_GT(graduated_weight(0.1, 1.0), 0.8);
+  EXPECT_LT(graduated_weight(100.0, 1.0), 1e-4);
+}
+
+TEST(Gnc, LimitIsExceededOnceInAThousandTimes) {
+  constexpr int kDraws = 200000;
+  math::Random random(1);
+  for (int rank = 1; rank <= 6; ++rank) {
+    int exceeded = 0;
+    for (int i = 0; i < kDraws; ++i) {
+      double chi2 = 0.0;
+      for (int k = 0; k < rank; ++k) chi2 += std::pow(random.normal(), 2);
+      exceeded += chi2 > chi2_limit(rank) ? 1 : 0;
+    }
+    EXPECT_NEAR(exceeded, 200, 60) << rank;  // four deviations of sqrt(200)
   }
 }
 

@@ -15,12 +15,11 @@ double chi2_limit(int rank) {
   return kQuantile999[static_cast<std::size_t>(rank - 1)];
 }
 
-double first_convexity(double max_ratio) { return 1.0 / std::max(2.0 * max_ratio - 1.0, 1e-9); }
+double first_width(double max_ratio) { return 2.0 * max_ratio; }
 
-double truncated_weight(double ratio, double mu) {
-  if (ratio <= mu / (mu + 1.0)) return 1.0;
-  if (ratio >= (mu + 1.0) / mu) return 0.0;
-  return std::sqrt(mu * (mu + 1.0) / ratio) - mu;
+double graduated_weight(double ratio, double width) {
+  const double root = width / (ratio + width);
+  return root * root;
 }
 
 }  // namespace mmlins::graph

@@ -17,9 +17,9 @@ struct OptimizerConfig {
   double tolerance = 1e-6;
   bool robust = true;
   double outlier_scale = 1.0;
-  double gnc_step = 1.4;
+  double gnc_step = 2.0;
   int gnc_rounds = 100;
-  int gnc_iterations = 3;
+  int gnc_iterations = 20;
   double gap_cauchy = 0.0;
   bool place_maps = true;
 

@@ -11,9 +11,10 @@ Fields OptimizerConfig::fields() {
       field("robust", robust, "look for false loops and merges, and leave them out"),
       field("outlier_scale", outlier_scale, "", {0.1, 1000.0},
             "an edge is false whose chi2 exceeds the 99.9 % quantile times this"),
-      field("gnc_step", gnc_step, "", {1.05, 10.0}, "how fast weights turn into 0 or 1"),
+      field("gnc_step", gnc_step, "", {1.05, 10.0}, "by which the weights sharpen from round to round"),
       field("gnc_rounds", gnc_rounds, "", {1.0, 1000.0}, "most changes of the weights"),
-      field("gnc_iterations", gnc_iterations, "", {1.0, 100.0}, "iterations of the solver after each change"),
+      field("gnc_iterations", gnc_iterations, "", {1.0, 100.0},
+            "most iterations of the solver after each change"),
       field("gap_cauchy", gap_cauchy, "sigma", {0.0, 100.0}, "scale of a Cauchy loss on gap edges; 0: none"),
       field("place_maps", place_maps, "begin with maps where most edges between them agree"),
   };

@@ -9,8 +9,8 @@
 namespace mmlins::graph {
 namespace {
 
-constexpr double kBinary = 1e-4;     ///< weights this close to 0 or 1 are decided
-constexpr int kMaxCorrections = 10;  ///< of the decisions, once all weights are 0 or 1
+constexpr int kMaxCorrections = 10;   ///< of the decisions, once the weights have parted
+constexpr int kFirstIterations = 10;  ///< while false edges bend the graph it does not pay to go to the end
 constexpr double kGncTolerance = 1e-3;
 
 /// chi2 / limit of robust edges; 0 for all others.
@@ -40,19 +40,16 @@ void add(const SolveOutcome& outcome, RobustSolution& solution) {
 /// Lets the weights of `problem` part into 0 and 1. @return the last ratios
 std::vector<double> graduate(const PoseGraph& graph, const GraphIndex& index, const OptimizerConfig& config,
                              GraphProblem& problem, std::vector<double> ratios, RobustSolution& solution) {
-  double mu = first_convexity(*std::max_element(ratios.begin(), ratios.end()));
+  double width = first_width(*std::max_element(ratios.begin(), ratios.end()));
   std::vector<double> weights(ratios.size(), 1.0);
-  for (; solution.gnc_rounds < config.gnc_rounds && solution.usable;
-       ++solution.gnc_rounds, mu *= config.gnc_step) {
-    bool decided = true;
-    for (std::size_t e = 0; e < ratios.size(); ++e) {
-      weights[e] = truncated_weight(ratios[e], mu);
-      decided = decided && std::min(weights[e], 1.0 - weights[e]) < kBinary;
-    }
+  while (solution.gnc_rounds < config.gnc_rounds && solution.usable) {
+    for (std::size_t e = 0; e < ratios.size(); ++e) weights[e] = graduated_weight(ratios[e], width);
     problem.set_weights(weights);
     add(problem.solve({config.gnc_iterations, kGncTolerance}), solution);
     ratios = outlier_ratios(graph, index, problem.poses(), config.outlier_scale);
-    if (decided) break;
+    ++solution.gnc_rounds;
+    if (width <= 1.0) break;
+    width = std::max(1.0, width / config.gnc_step);
   }
   return ratios;
 }
@@ -93,12 +90,17 @@ RobustSolution solve_robustly(const PoseGraph& graph, const GraphIndex& index, s
   solution.weights.assign(graph.edges.size(), 1.0);
   solution.parts = find_parts(graph, index, solution.weights);
   GraphProblem problem(graph, index, solution.parts, start, config.gap_cauchy);
-  add(problem.solve({config.max_iterations, config.tolerance}), solution);
-  solution.T_world_node = problem.poses();
-  if (!config.robust || !solution.usable) return solution;
-
-  std::vector<double> ratios = outlier_ratios(graph, index, solution.T_world_node, config.outlier_scale);
-  if (ratios.empty() || *std::max_element(ratios.begin(), ratios.end()) <= 1.0) return solution;
+  const int first_iterations =
+      config.robust ? std::min(kFirstIterations, config.max_iterations) : config.max_iterations;
+  add(problem.solve({first_iterations, config.tolerance}), solution);
+  std::vector<double> ratios = outlier_ratios(graph, index, problem.poses(), config.outlier_scale);
+  const bool all_true = ratios.empty() || *std::max_element(ratios.begin(), ratios.end()) <= 1.0;
+  if (!config.robust || all_true) {
+    const int left = config.max_iterations - solution.iterations;
+    if (!solution.converged && left > 0) add(problem.solve({left, config.tolerance}), solution);
+    solution.T_world_node = problem.poses();
+    return solution;
+  }
   ratios = graduate(graph, index, config, problem, std::move(ratios), solution);
   solution.T_world_node = problem.poses();
   settle(graph, index, config, std::move(ratios), solution);
