@@ -109,5 +109,64 @@ TEST(RelativeCovariance, IsThatOfRepeatedOptimisations) {
   EXPECT_LT((ratio - Vector6d::Ones()).cwiseAbs().maxCoeff(), 0.33) << ratio.transpose();
 }
 
+Edge closure(const Chain& chain, std::uint64_t seed) {
+  math::Random random(seed);
+  Edge edge = true_edge(chain, 0, 99, EdgeKind::kLoop, diagonal_information(0.002, 0.02));
+  edge.T_from_to = noisy(edge.T_from_to, 0.002, 0.02, random);
+  return edge;
+}
+
+EdgeTest test_last_edge(const PoseGraph& graph, double weight) {
+  std::vector<double> weights(graph.edges.size(), 1.0);
+  weights.back() = weight;
+  const auto tests = test_edges(graph, {graph.edges.size() - 1}, weights);
+  EXPECT_TRUE(tests.ok());
+  return tests->front();
+}
+
+TEST(TestEdges, TrueCandidatesFollowTheChi2Distribution) {
+  constexpr int kRuns = 200;
+  double sum = 0.0;
+  for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {
+    Chain chain = make_chain({.num_nodes = 100, .loop_every = 0, .seed = seed});
+    chain.graph.edges.push_back(closure(chain, seed + 5000));
+    const EdgeTest test = test_last_edge(chain.graph, 0.0);
+    ASSERT_EQ(test.status, CovarianceStatus::kKnown);
+    ASSERT_EQ(test.rank, 6);
+    sum += test.chi2 / kRuns;
+  }
+  EXPECT_NEAR(sum, 6.0, 1.0);  // the mean of 200 deviates by sqrt(12 / 200) = 0.25; four deviations
+}
+
+TEST(TestEdges, GiveTheSameBeforeAndAfterTheEdgeIsBelieved) {
+  Chain chain = make_chain({.num_nodes = 100, .loop_every = 0, .seed = 3});
+  chain.graph.edges.push_back(closure(chain, 8));
+  const double before = test_last_edge(chain.graph, 0.0).chi2;
+  const auto optimised = optimize(chain.graph, {.tolerance = 1e-12});
+  ASSERT_TRUE(optimised.ok());
+  const double after = test_last_edge(optimised->graph, 1.0).chi2;
+  EXPECT_NEAR(after, before, 0.05 * before);  // poses have moved by some percent of a radian
+}
+
+TEST(TestEdges, RevealALoneFalseLoopToWhichTheGraphHasBent) {
+  Chain chain = make_chain({.num_nodes = 100, .loop_every = 0});
+  Edge edge = closure(chain, 8);
+  edge.T_from_to.t.y() += 5.0;  // odometry knows this way to a metre
+  chain.graph.edges.push_back(edge);
+  const auto optimised = optimize(chain.graph);
+  ASSERT_TRUE(optimised.ok());
+  EXPECT_EQ(optimised->report.num_rejected, 0);
+  EXPECT_LT(optimised->report.edges.back().chi2, 5.0);  // looks innocent
+  EXPECT_GT(test_last_edge(optimised->graph, 1.0).chi2, 50.0);
+}
+
+TEST(TestEdges, SayNothingOfAnEdgeThatIsTheOnlyWitness) {
+  const Chain chain = make_chain({.num_nodes = 20, .loop_every = 0});
+  const auto tests = test_edges(chain.graph, {7});
+  ASSERT_TRUE(tests.ok());
+  EXPECT_EQ(tests->front().rank, 0);
+  EXPECT_EQ(tests->front().chi2, 0.0);
+}
+
 }  // namespace
 }  // namespace mmlins::graph

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "mmlins/graph/relative_covariance.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <unordered_map>
@@ -16,6 +17,9 @@ using Eigen::MatrixXd;
 
 /// A pivot smaller than this share of its diagonal entry means a direction that nothing determines.
 constexpr double kSingular = 1e-11;
+/// An edge whose own share of what is known in a direction leaves less than this to others is its only
+/// witness.
+constexpr double kOnlyWitness = 1e-8;
 
 /// Where the unknowns of each node stand in the normal equations, and which steps they are.
 struct Unknowns {
@@ -98,7 +102,10 @@ Sparse normal_matrix(const PoseGraph& graph, const GraphIndex& index, const std:
 class CovarianceSolver {
  public:
   CovarianceSolver(const PoseGraph& graph, const GraphIndex& index, const std::vector<double>& weights)
-      : parts_(find_parts(graph, index, weights)),
+      : graph_(graph),
+        index_(index),
+        weights_(weights),
+        parts_(find_parts(graph, index, weights)),
         poses_(world_poses(graph, index)),
         unknowns_(list_unknowns(parts_, poses_)),
         H_(normal_matrix(graph, index, poses_, weights, unknowns_)) {
@@ -126,12 +133,50 @@ class CovarianceSolver {
     MatrixXd J = MatrixXd::Zero(unknowns_.size, 6);
     place(i, -adjoint(result.T_i_j.inverse()), J);
     place(j, Matrix6d::Identity(), J);
-    const Matrix6d covariance = J.transpose() * cholesky_.solve(J);
-    result.covariance = 0.5 * (covariance + covariance.transpose());
+    result.covariance = covariance_of(J);
+    return result;
+  }
+
+  EdgeTest test(std::size_t e) const {
+    const auto [from, to] = index_.ends[e];
+    EdgeTest result;
+    result.status = status_between(from, to);
+    if (result.status != CovarianceStatus::kKnown) return result;
+    const Matrix6d& S = index_.roots[e].S;
+    const EdgeError error = linearize_edge(pose(from), pose(to), graph_.edges[e].T_from_to);
+    MatrixXd J = MatrixXd::Zero(unknowns_.size, 6);
+    place(from, S * error.J_from, J);
+    place(to, S * error.J_to, J);
+    // Believed edges have pulled the rest towards them; candidates have not.
+    const bool counts = weights_[e] >= 0.5;
+    const Matrix6d spread = unknowns_.size > 0 ? covariance_of(J) : Matrix6d(Matrix6d::Zero());
+    const Matrix6d M =
+        counts ? Matrix6d(Matrix6d::Identity() - spread) : Matrix6d(Matrix6d::Identity() + spread);
+    const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(M);
+    const Vector6d r = eigen.eigenvectors().transpose() * S * error.e;
+    result.rank = index_.roots[e].rank;
+    for (int k = 0; k < 6; ++k) {
+      if (eigen.eigenvalues()(k) < kOnlyWitness) {
+        --result.rank;
+      } else {
+        result.chi2 += r(k) * r(k) / eigen.eigenvalues()(k);
+      }
+    }
     return result;
   }
 
  private:
+  CovarianceStatus status_between(int i, int j) const {
+    const bool joined =
+        parts_.part_of_node[static_cast<std::size_t>(i)] == parts_.part_of_node[static_cast<std::size_t>(j)];
+    if (!joined) return CovarianceStatus::kUnconnected;
+    return regular_ ? CovarianceStatus::kKnown : CovarianceStatus::kUndetermined;
+  }
+  /// J^T H^-1 J
+  Matrix6d covariance_of(const MatrixXd& J) const {
+    const Matrix6d covariance = J.transpose() * cholesky_.solve(J);
+    return 0.5 * (covariance + covariance.transpose());
+  }
   const SE3& pose(int node) const { return poses_[static_cast<std::size_t>(node)]; }
   void place(int node, const Matrix6d& J_node, MatrixXd& J) const {
     const Basis& basis = unknowns_.basis[static_cast<std::size_t>(node)];
@@ -139,6 +184,9 @@ class CovarianceSolver {
         (J_node * basis).transpose();
   }
 
+  const PoseGraph& graph_;
+  const GraphIndex& index_;
+  const std::vector<double>& weights_;
   Parts parts_;
   std::vector<SE3> poses_;
   Unknowns unknowns_;
@@ -147,12 +195,16 @@ class CovarianceSolver {
   bool regular_ = true;
 };
 
+std::vector<double> weights_or_ones(const PoseGraph& graph, const std::vector<double>& weights) {
+  MMLINS_CHECK(weights.empty() || weights.size() == graph.edges.size());
+  return weights.empty() ? std::vector<double>(graph.edges.size(), 1.0) : weights;
+}
+
 }  // namespace
 
 Result<std::vector<RelativeCovariance>> relative_covariances(const PoseGraph& graph,
                                                              const std::vector<NodePair>& pairs,
                                                              const std::vector<double>& weights) {
-  MMLINS_CHECK(weights.empty() || weights.size() == graph.edges.size());
   const Result<GraphIndex> index = index_graph(graph);
   if (!index) return index.error();
   std::unordered_map<std::int64_t, int> position;
@@ -166,10 +218,24 @@ Result<std::vector<RelativeCovariance>> relative_covariances(const PoseGraph& gr
       }
     }
   }
-  const CovarianceSolver solver(graph, *index,
-                                weights.empty() ? std::vector<double>(graph.edges.size(), 1.0) : weights);
+  const std::vector<double> all_weights = weights_or_ones(graph, weights);
+  const CovarianceSolver solver(graph, *index, all_weights);
   std::vector<RelativeCovariance> all;
   for (const NodePair& pair : pairs) all.push_back(solver.between(position.at(pair.i), position.at(pair.j)));
+  return all;
+}
+
+Result<std::vector<EdgeTest>> test_edges(const PoseGraph& graph, const std::vector<std::size_t>& edges,
+                                         const std::vector<double>& weights) {
+  const Result<GraphIndex> index = index_graph(graph);
+  if (!index) return index.error();
+  const std::vector<double> all_weights = weights_or_ones(graph, weights);
+  const CovarianceSolver solver(graph, *index, all_weights);
+  std::vector<EdgeTest> all;
+  for (const std::size_t e : edges) {
+    MMLINS_CHECK(e < graph.edges.size());
+    all.push_back(solver.test(e));
+  }
   return all;
 }
 
