@@ -158,5 +158,40 @@ TEST(Gravity, KeepsTheAnchorsOfMergedMapsLevel) {
   EXPECT_LT(largest_tilt_error(result->graph, chain.T_world_node), 2.0 * kDegree);
 }
 
+TEST(Gravity, MapWhoseOnlyMergeIsRejectedStaysAndIsReported) {
+  Chain chain = in_two_maps(
+      {.num_nodes = 60, .rotation_sigma = 0.0, .translation_sigma = 0.0, .loop_every = 0}, kFarAway);
+  const SE3 T_world_b{math::so3_exp({0.0, 0.0, -1.0}), {-20.0, 5.0, 1.0}};
+  chain.graph.anchors[1].T_world_map = T_world_b;
+  for (std::size_t i = 0; i < 60; ++i) {
+    // The truth is where the maps stand: noise-free, only the merge is wrong.
+    const SE3 T = chain.graph.anchors[i < 30 ? 0 : 1].T_world_map * chain.graph.nodes[i].T_map_node;
+    const Vector3d up = T.R.transpose() * Vector3d::UnitZ();
+    chain.graph.gravity.push_back(
+        {.node = static_cast<std::int64_t>(i), .up_node = up, .sigma = 0.3 * kDegree});
+  }
+  Edge merge = true_edge(chain, 3, 40, EdgeKind::kMerge, diagonal_information(0.002, 0.02));
+  merge.T_from_to.R = merge.T_from_to.R * math::so3_exp({1.0, 0.0, 0.0});  // on its side
+  chain.graph.edges.push_back(merge);
+  const auto result = optimize(chain.graph);
+  ASSERT_TRUE(result.ok());
+  EXPECT_EQ(result->report.num_rejected, 1);
+  EXPECT_EQ(result->report.unconnected_maps, std::vector<int>{1});
+  EXPECT_EQ(result->graph.anchors[1].T_world_map.t, T_world_b.t);
+  EXPECT_LT(largest_position_error(poses_of(result->graph), poses_of(chain.graph)), 1e-6);
+}
+
+TEST(Maps, GapUnderCauchyYieldsToMerges) {
+  Chain chain = in_two_maps({.rotation_sigma = 0.0, .translation_sigma = 0.0}, kFarAway);
+  Edge gap = true_edge(chain, 99, 100, EdgeKind::kGap, diagonal_information(1e-4, 1e-3));
+  gap.T_from_to.t.x() += 1.0;  // overconfident: a metre at a millimetre
+  chain.graph.edges.push_back(gap);
+  const auto believed = optimize(chain.graph, {.robust = false});
+  const auto doubted = optimize(chain.graph, {.robust = false, .gap_cauchy = 1.0});
+  ASSERT_TRUE(believed.ok() && doubted.ok());
+  EXPECT_LT(rms_position_error(poses_of(doubted->graph), chain.T_world_node),
+            0.1 * rms_position_error(poses_of(believed->graph), chain.T_world_node));
+}
+
 }  // namespace
 }  // namespace mmlins::graph

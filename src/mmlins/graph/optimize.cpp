@@ -24,10 +24,11 @@ class MapSplitter {
       : index_(index), parts_(solution.parts), poses_(solution.T_world_node), graph_(graph) {}
 
   PoseGraph split() && {
+    put_back(true);
     for (std::size_t a = 0; a < graph_.anchors.size(); ++a) {
       if (!graph_.anchors[a].fixed) move_anchor(a);
     }
-    put_back_unconnected();
+    put_back(false);
     for (std::size_t i = 0; i < poses_.size(); ++i) {
       graph_.nodes[i].T_map_node = anchor_of(i).T_world_map.inverse() * poses_[i];
     }
@@ -55,23 +56,23 @@ class MapSplitter {
     }
   }
 
-  /// Parts that hang on nothing keep their place in their map; tilts that gravity corrected stay corrected.
-  void put_back_unconnected() {
+  /// Moves parts so that the node which holds them is where it was in its map: parts that hang on nothing
+  /// have no other place, and in anchored ones tilting to and fro may have turned it about the vertical.
+  /// Tilts that gravity corrected stay corrected.
+  void put_back(bool anchored) {
     std::vector<SE3> corrections(parts_.held_node.size());
     for (std::size_t p = 0; p < corrections.size(); ++p) {
-      if (parts_.anchored[p]) continue;
       const auto held = static_cast<std::size_t>(parts_.held_node[p]);
+      if (parts_.anchored[p] != anchored || (anchored && parts_.freedom[held] == Freedom::kHeld)) continue;
       const SE3 T_world_held = anchor_of(held).T_world_map * graph_.nodes[held].T_map_node;
-      SE3 correction = T_world_held * poses_[held].inverse();
-      if (parts_.has_gravity[p] && parts_.freedom[held] != Freedom::kHeld) {
+      SE3& correction = corrections[p];
+      correction = T_world_held * poses_[held].inverse();
+      if (parts_.freedom[held] == Freedom::kTiltOnly) {
         correction.R = turn(correction.R.col(2), Vector3d::UnitZ()) * correction.R;
         correction.t = T_world_held.t - correction.R * poses_[held].t;
       }
-      corrections[p] = correction;
     }
-    for (std::size_t i = 0; i < poses_.size(); ++i) {
-      if (!parts_.anchored[part_of(i)]) poses_[i] = corrections[part_of(i)] * poses_[i];
-    }
+    for (std::size_t i = 0; i < poses_.size(); ++i) poses_[i] = corrections[part_of(i)] * poses_[i];
   }
 
   const GraphIndex& index_;
