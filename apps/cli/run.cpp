@@ -51,8 +51,9 @@ void Progress::show(const pipeline::ScanRecord& latest, double share) {
   ++num_scans_;
   elapsed_ms_ += stopwatch_.lap_ms();
   const double rate = 1e3 * num_scans_ / std::max(elapsed_ms_, 1.0);
-  const std::string text = fmt::format("{:3.0f} %  {} scans  {:.0f} scans/s  {}", 100.0 * share, num_scans_, rate,
-                                       odometry::to_string(latest.state));
+  const std::string_view cause = odometry::to_string(latest.cause);
+  const std::string text = fmt::format("{:3.0f} %  {} scans  {:.0f} scans/s  {}{}{}", 100.0 * share, num_scans_, rate,
+                                       odometry::to_string(latest.state), cause.empty() ? "" : ": ", cause);
   if (on_terminal_) {
     if (elapsed_ms_ - last_shown_ms_ < 100.0) return;
     last_shown_ms_ = elapsed_ms_;
@@ -87,12 +88,15 @@ void print_result(const RunOptions& options, const pipeline::RunResult& result) 
              result.scans.size(), seconds, pipeline::path_length(result), statistics.mean_ms, statistics.p99_ms,
              statistics.max_ms, result.wall_seconds, pipeline::peak_memory_mib());
   fmt::print("{} map points; everything lies in {}\n", result.map.num_points(), options.out);
-  const auto num_bridging = std::count_if(result.scans.begin(), result.scans.end(), [](const auto& scan) {
-    return scan.state == odometry::TrackingState::kBridging;
-  });
-  if (num_bridging > 0) {
-    log::warning("{} of {} scans were carried by the IMU alone; {}/health.csv says which and why (BRIDGING)", num_bridging,
+  const auto num_carried = std::count_if(result.scans.begin(), result.scans.end(),
+                                         [](const auto& scan) { return !odometry::is_placed(scan.state); });
+  if (num_carried > 0) {
+    log::warning("{} of {} scans were carried by the IMU alone; {}/health.csv says which and why", num_carried,
                  result.scans.size(), options.out);
+  }
+  if (result.maps.size() > 1) {
+    log::warning("the pose was lost on the way: {} maps, joined only by what the IMU felt between them",
+                 result.maps.size());
   }
 }
 

@@ -294,7 +294,7 @@ class CarriedByTheImuAlone(Run):
         self.assertGreaterEqual(bridging, 7)  # the whole scans of 0.8 s
         self.assertEqual(result.stderr.splitlines()[-1],
                          f"warning: {bridging} of {len(states)} scans were carried by the IMU alone; "
-                         f"{self.path('out')}/health.csv says which and why (BRIDGING)")
+                         f"{self.path('out')}/health.csv says which and why")
 
     def test_run_says_nothing_if_there_were_none(self):
         self.assertNotIn("warning", self.run_into("out").stderr)

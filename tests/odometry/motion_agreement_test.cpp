@@ -114,8 +114,9 @@ TEST(MotionAgreement, BearsMoreWhenTheImuItselfIsInDoubt) {
 TEST(MotionAgreement, SaysNothingBeforeAWholeWindow) {
   const sensor::ImuBuffer imu = imu_of({}, 2.0);
   EXPECT_FALSE(MotionAgreement({}, {}, from_seconds(0.1)).compare(seen(1.0, Vector3d::Zero()), imu));
-  EXPECT_FALSE(followed(0.8, Vector3d::Zero()).compare(seen(0.9, Vector3d::Zero()), imu));
-  EXPECT_TRUE(followed(0.9, Vector3d::Zero()).compare(seen(1.0, Vector3d::Zero()), imu));
+  // The first second is for the velocity to settle.
+  EXPECT_FALSE(followed(1.8, Vector3d::Zero()).compare(seen(1.9, Vector3d::Zero()), imu));
+  EXPECT_TRUE(followed(1.9, Vector3d::Zero()).compare(seen(2.0, Vector3d::Zero()), imu));
 }
 
 TEST(MotionAgreement, SaysNothingWhenTheImuWasSilent) {
@@ -140,17 +141,18 @@ TEST(MotionAgreement, BeginsAnewAfterItWasCleared) {
   MotionAgreement agreement = followed(2.0, Vector3d::Zero());
   agreement.clear();
   EXPECT_FALSE(agreement.needs_imu_since());
-  const sensor::ImuBuffer imu = imu_of({}, 4.0);
+  const sensor::ImuBuffer imu = imu_of({}, 5.0);
   EXPECT_FALSE(agreement.compare(seen(2.1, Vector3d::Zero()), imu));
-  for (int i = 21; i <= 30; ++i) agreement.add(seen(0.1 * i, Vector3d::Zero()));
-  EXPECT_FALSE(agreement.compare(seen(3.0, Vector3d::Zero()), imu));
-  agreement.add(seen(3.1, Vector3d::Zero()));
-  EXPECT_TRUE(agreement.compare(seen(3.2, Vector3d::Zero()), imu));
+  for (int i = 21; i <= 39; ++i) agreement.add(seen(0.1 * i, Vector3d::Zero()));
+  EXPECT_FALSE(agreement.compare(seen(4.0, Vector3d::Zero()), imu));
+  agreement.add(seen(4.0, Vector3d::Zero()));
+  EXPECT_TRUE(agreement.compare(seen(4.2, Vector3d::Zero()), imu));
 }
 
 TEST(MotionAgreement, NeedsTheImuOverItsWindowAndNoLonger) {
   EXPECT_FALSE(followed(-0.1, Vector3d::Zero()).needs_imu_since());
-  EXPECT_EQ(*followed(0.5, Vector3d::Zero()).needs_imu_since(), at(0.0));
+  EXPECT_FALSE(followed(0.5, Vector3d::Zero()).needs_imu_since());
+  EXPECT_EQ(*followed(1.5, Vector3d::Zero()).needs_imu_since(), at(1.0));
   EXPECT_EQ(*followed(5.0, Vector3d::Zero()).needs_imu_since(), at(4.0));
   TrustConfig longer;
   longer.agreement_window = 2.5;

@@ -126,14 +126,20 @@ TEST(TrustJudge, BelievesAShrunkenScanThatTheMapExplains) {
   expect_believed(experienced(), evidence);
 }
 
-TEST(TrustJudge, AsksForMoreAfterAnAbsence) {
+TEST(TrustJudge, AsksForMoreAfterAnAbsenceInWhichThePoseMayHaveDrifted) {
   const TrustConfig config;
   const double between = 0.6 * 0.5 * (config.min_explained + config.min_explained_again);
-  expect_believed(experienced(3.0), explained_by(between, 3.0 + 0.9 * config.short_absence));
-  expect_refused(experienced(3.0), explained_by(between, 3.0 + 1.1 * config.short_absence),
-                 Cause::kTooFewMatches);
-  expect_believed(experienced(3.0),
-                  explained_by(1.01 * 0.6 * config.min_explained_again, 3.0 + 1.1 * config.short_absence));
+  Evidence evidence = explained_by(between, 3.0 + 1.1 * config.short_absence);
+  evidence.drift = 1.01 * config.doubtful_drift;
+  expect_refused(experienced(3.0), evidence, Cause::kTooFewMatches);
+  evidence.explained = 1.01 * 0.6 * config.min_explained_again;
+  expect_believed(experienced(3.0), evidence);
+  evidence.explained = between;
+  evidence.drift = 0.99 * config.doubtful_drift;  // under a torn cover, but where the IMU says
+  expect_believed(experienced(3.0), evidence);
+  evidence.drift = 1.01 * config.doubtful_drift;
+  evidence.time = at(3.0 + 0.9 * config.short_absence);
+  expect_believed(experienced(3.0), evidence);
 }
 
 TEST(TrustJudge, RefusesAReturnToWhereTheImuCannotHaveGone) {
@@ -160,6 +166,36 @@ TEST(TrustJudge, RefusesAPerfectMatchThatTheImuContradicts) {
   Evidence evidence = explained_by(1.0, 3.1);
   evidence.imu_disagrees = true;
   expect_refused(experienced(), evidence, Cause::kImuDisagrees);
+}
+
+// A lift: the doors are still shut, and its walls match as well as ever.
+TEST(TrustJudge, AsksWhoWasContradictedForAReturnToWhereTheImuIs) {
+  const TrustConfig config;
+  TrustJudge judge = experienced(3.0);
+  Evidence evidence = usual_scan(3.1);
+  evidence.imu_disagrees = true;
+  EXPECT_FALSE(judge.judge(evidence).trusted);
+  evidence = usual_scan(3.2);
+  evidence.return_chi2 = 1.01 * config.max_return_chi2;
+  expect_refused(judge, evidence, Cause::kImuDisagrees);
+  EXPECT_FALSE(judge.judge(evidence).trusted);
+  evidence = usual_scan(3.3);
+  evidence.return_chi2 = 1.01 * config.max_return_chi2;
+  expect_refused(judge, evidence, Cause::kImuDisagrees);
+  evidence.return_chi2 = 0.99 * config.max_return_chi2;
+  EXPECT_TRUE(judge.judge(evidence).trusted);
+  evidence = usual_scan(3.4);
+  evidence.return_chi2 = 1.01 * config.max_return_chi2;
+  expect_believed(judge, evidence);
+}
+
+// Longer away than what is usual is remembered: better an old yardstick than none.
+TEST(TrustJudge, KnowsWhatWasUsualAfterALongAbsence) {
+  TrustConfig config;
+  config.usual_window = 5.0;
+  TrustJudge judge = experienced(3.0, config);
+  EXPECT_TRUE(judge.judge(usual_scan(60.0)).trusted);
+  expect_refused(judge, explained_by(0.01, 60.1), Cause::kTooFewMatches);
 }
 
 TEST(TrustJudge, DoesNotGetUsedToWhatItRefuses) {

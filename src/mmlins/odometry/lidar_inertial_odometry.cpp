@@ -9,6 +9,13 @@
 
 namespace mmlins::odometry {
 
+namespace {
+
+/// After so many fruitless trials what the IMU carried is taken to be wrong.
+constexpr int kMaxCarriedTrials = 2;
+
+}  // namespace
+
 LidarInertialOdometry::LidarInertialOdometry(const OdometryConfig& config, const sensor::Rig& rig)
     : config_(config), rig_(rig), reference_(config.detector) {}
 
@@ -52,6 +59,7 @@ ScanResult LidarInertialOdometry::track_with_doubt(const ScanPointer& scan) {
   asleep_ = false;
   was_collapsed_ = false;
   imu_was_silent_ = false;
+  num_failed_trials_ = 0;
   restart_.reset();
   unexplained_since_.reset();
   maps_.back().last_believed = result.time;
@@ -74,6 +82,7 @@ void LidarInertialOdometry::look_for_a_way_on(const ScanPointer& scan, const imu
   const bool changes = std::exchange(was_collapsed_, collapsed) != collapsed;
   if (blind) unexplained_since_.reset();
   if (blind || changes) {
+    num_failed_trials_ = 0;
     restart_.reset();
     return;
   }
@@ -84,9 +93,15 @@ void LidarInertialOdometry::look_for_a_way_on(const ScanPointer& scan, const imu
 
 bool LidarInertialOdometry::try_new_map(const ScanPointer& scan, const imu::Estimate& before, bool collapsed,
                                         ScanResult& result) {
-  if (!restart_) restart_ = std::make_unique<Restart>(config_, rig_, before, tracker_->T_odom_map());
+  if (!restart_) {
+    const bool distrusts_imu = imu_was_silent_ || num_failed_trials_ >= kMaxCarriedTrials;
+    restart_ = std::make_unique<Restart>(config_, rig_, imu_was_silent_ ? tracker_->estimate() : before,
+                                         tracker_->T_odom_map(),
+                                         distrusts_imu ? Restart::Prior::kNone : Restart::Prior::kCarried);
+  }
   const Restart::Progress progress = restart_->add(scan, imu_, collapsed);
   if (progress == Restart::Progress::kFailed) {
+    ++num_failed_trials_;
     restart_.reset();
     return false;
   }
@@ -136,16 +151,17 @@ void LidarInertialOdometry::wake_in_new_map() {
   gap.covariance = to_body * gap.covariance * to_body.transpose();
   const std::string verdict = restart_->verdict();
   const Time now = restart_->tracker().estimate().state.time;
-  maps_.push_back({static_cast<int>(maps_.size()), MapBeginning::kAfterGap, first.state.time, now, Cause::kNone, gap,
-                   maps_.back().T_first_map});
+  maps_.push_back({static_cast<int>(maps_.size()), restart_->beginning(), first.state.time, now, Cause::kNone, gap,
+                   maps_.back().T_first_map * tracker_->T_odom_map().inverse() * restart_->tracker().T_odom_map()});
   const math::SE3 T_odom_imu = tracker_->estimate().state.T_odom_imu();
   tracker_ = restart_->take();
   tracker_->begin_to_doubt();
-  tracker_->call_the_pose(T_odom_imu);
+  tracker_->call_the_pose(with_heading_of(T_odom_imu, tracker_->estimate().state.T_odom_imu()));
   restart_.reset();
   unexplained_since_.reset();
   asleep_ = false;
   imu_was_silent_ = false;
+  num_failed_trials_ = 0;
   log::info("map {} begins at {:.3f} s: {}", maps_.back().id, to_seconds(maps_.back().begin.time_since_epoch()), verdict);
 }
 

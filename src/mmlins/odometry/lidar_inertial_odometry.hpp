@@ -62,6 +62,7 @@ class LidarInertialOdometry {
   bool was_collapsed_ = false;            ///< the scan before was as small as under a cover
   bool asleep_ = false;
   bool imu_was_silent_ = false;           ///< since the last scan that was believed, for longer than can be bridged
+  int num_failed_trials_ = 0;
   std::vector<MapRecord> maps_;
   ReferenceDetection reference_;
 };

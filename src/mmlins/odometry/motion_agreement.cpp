@@ -38,7 +38,14 @@ std::optional<Disagreement> MotionAgreement::compare(const imu::Estimate& now, c
   return result;
 }
 
+void MotionAgreement::clear() {
+  past_.clear();
+  settled_at_.reset();
+}
+
 void MotionAgreement::add(const imu::Estimate& trusted) {
+  if (!settled_at_) settled_at_ = trusted.state.time + from_seconds(config_.agreement_window);
+  if (trusted.state.time < *settled_at_) return;
   past_.push_back(trusted);
   const Time window_begin = trusted.state.time - from_seconds(config_.agreement_window);
   while (past_.size() > 1 && past_[1].state.time <= window_begin) past_.pop_front();

@@ -29,8 +29,8 @@ class MotionAgreement {
   /// Nothing until estimates reach back over a whole window, and while the IMU has a gap in it.
   [[nodiscard]] std::optional<Disagreement> compare(const imu::Estimate& now, const sensor::ImuBuffer& imu) const;
   void add(const imu::Estimate& trusted);
-  /// The thread is broken: the window begins anew.
-  void clear() { past_.clear(); }
+  /// The thread is broken: the window begins anew, once the velocity has had the time of one window to settle.
+  void clear();
   /// The IMU must be kept from here on; nothing if it need not.
   [[nodiscard]] std::optional<Time> needs_imu_since() const;
 
@@ -38,6 +38,7 @@ class MotionAgreement {
   TrustConfig config_;
   imu::ImuNoise noise_;
   Duration max_gap_;
+  std::optional<Time> settled_at_;  // before that, estimates are no witnesses
   std::deque<imu::Estimate> past_;  // the first is at least a window old, once there is such a one
 };
 

@@ -2,6 +2,9 @@
 #include "mmlins/odometry/restart.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -11,7 +14,9 @@
 namespace mmlins::odometry {
 namespace {
 
-constexpr int kMaxPasses = 3;
+constexpr int kMaxPasses = 6;
+// Between passes; straightening a scan of 0.1 s then changes by 3 mm [m/s].
+constexpr double kSettledSpeed = 0.03;
 constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 
 /// The pose that the scan alone prefers, doubted by what a young map may be off as well.
@@ -29,16 +34,24 @@ initialization::PoseMeasurement measured_pose(const ScanResult& result, const Re
 
 }  // namespace
 
+math::SE3 with_heading_of(const math::SE3& T_odom_heading, const math::SE3& T_odom_level) {
+  const auto heading = [](const math::Matrix3d& R) { return std::atan2(R(1, 0), R(0, 0)); };
+  const double turn = heading(T_odom_heading.R) - heading(T_odom_level.R);
+  return {math::so3_exp(math::Vector3d(0.0, 0.0, turn)) * T_odom_level.R, T_odom_heading.t};
+}
+
 Restart::Restart(const OdometryConfig& config, const sensor::Rig& rig, const imu::Estimate& carried,
-                 const math::SE3& T_odom_map)
+                 const math::SE3& T_odom_map, Prior prior)
     : config_(config),
       rig_(rig),
       noise_(imu_noise(config.imu, rig)),
       begin_(carried),
       T_odom_map_(T_odom_map),
+      prior_(prior),
       tracker_(std::make_unique<ScanTracker>(config, rig, imu::with_pose_taken_for_granted(carried), T_odom_map)) {}
 
 Restart::Progress Restart::add(const Scan& scan, const sensor::ImuBuffer& imu, bool is_collapsed) {
+  if (prior_ == Prior::kNone) return add_without_prior(scan, imu, is_collapsed);
   const ScanResult result = tracker_->track(scan, imu);
   if (!is_placed(result.state)) {
     verdict_ = to_string(result.cause);
@@ -61,6 +74,26 @@ Restart::Progress Restart::add(const Scan& scan, const sensor::ImuBuffer& imu, b
   return elapsed < config_.restart.patience ? Progress::kOnTrial : Progress::kFailed;
 }
 
+Restart::Progress Restart::add_without_prior(const Scan& scan, const sensor::ImuBuffer& imu, bool is_collapsed) {
+  if (is_collapsed) return Progress::kFailed;
+  scans_.push_back(scan);
+  const double elapsed = to_seconds(scans_.back()->end_time - scans_.front()->start_time);
+  if (elapsed < std::min(config_.start.rest_window, config_.start.motion_window)) return Progress::kOnTrial;
+  std::unique_ptr<Start> start = find_start(config_, rig_, scans_, imu);
+  if (!start) return Progress::kOnTrial;
+  for (const ScanResult& result : start->results) {
+    if (result.state == TrackingState::kBridging) return Progress::kFailed;
+  }
+  verdict_ = start->at_rest ? "at rest" : "in motion, nothing known beforehand";
+  beginning_ = start->at_rest ? MapBeginning::kAtRest : MapBeginning::kInMotion;
+  tracker_ = std::move(start->tracker);
+  // The new frame is level like odom; heading and place are those that the IMU carried to its first pose.
+  const math::SE3 T_start_first = start->prior.state.T_odom_imu();
+  const math::SE3 T_odom_first = with_heading_of(begin_.state.T_odom_imu(), T_start_first);
+  tracker_->call_the_pose(T_odom_first * T_start_first.inverse() * tracker_->estimate().state.T_odom_imu());
+  return Progress::kProven;
+}
+
 initialization::Window Restart::window(const sensor::ImuBuffer& imu) const {
   return {poses_, imu.covering(poses_.front().time, poses_.back().time), noise_};
 }
@@ -68,12 +101,16 @@ initialization::Window Restart::window(const sensor::ImuBuffer& imu) const {
 bool Restart::initialize(const sensor::ImuBuffer& imu) {
   const imu::Estimate carried =
       imu::propagate(begin_, imu.covering(begin_.state.time, poses_.front().time), noise_).estimate;
-  // Scans that were straightened with a wrong velocity give wrong poses; so the first solution is never the last.
+  // Scans that were straightened with a wrong velocity give wrong poses, and so a velocity that is only less wrong.
+  math::Vector3d v_before = math::Vector3d::Constant(std::numeric_limits<double>::infinity());
   for (int pass = 1;; ++pass) {
     const auto found = initialization::initialize(
         window(imu), initialization::carried_over_prior(carried, poses_.front().T_odom_imu), config_.initialization);
     verdict_ = found.acceptance.reason;
-    if (pass > 1 && found.acceptance.accepted()) {
+    const math::Vector3d v_found = found.solution.estimate.state.v_odom;
+    const bool settled = (v_found - v_before).norm() < kSettledSpeed;
+    v_before = v_found;
+    if (settled && found.acceptance.accepted()) {
       tracker_->set_estimate(found.solution.estimate);
       return true;
     }
@@ -116,7 +153,7 @@ bool Restart::initialize_as_in_the_paper(const sensor::ImuBuffer& imu) {
 }
 
 bool Restart::has_seen_motion() const {
-  const math::SE3 moved = begin_.state.T_odom_imu().inverse() * tracker_->estimate().state.T_odom_imu();
+  const math::SE3 moved = poses_.front().T_odom_imu.inverse() * poses_.back().T_odom_imu;
   return moved.t.norm() > config_.restart.confirming_motion ||
          math::so3_log(moved.R).norm() > config_.restart.confirming_turn_deg * kRadiansPerDegree;
 }

@@ -8,15 +8,24 @@
 #include <vector>
 
 #include "mmlins/initialization/acceptance.hpp"
-#include "mmlins/odometry/scan_tracker.hpp"
+#include "mmlins/odometry/map_record.hpp"
+#include "mmlins/odometry/startup.hpp"
 
 namespace mmlins::odometry {
 
+/// Place and heading of one pose with the roll and pitch of another: continues a trajectory without tilting its frame.
+[[nodiscard]] math::SE3 with_heading_of(const math::SE3& T_odom_heading, const math::SE3& T_odom_level);
+
 class Restart {
  public:
+  enum class Prior {
+    kCarried,  ///< velocity, gravity and biases as the IMU carried them through the gap
+    kNone,     ///< as at the start of a recording: the IMU was silent, or what it carried cannot be right
+  };
   /// @param carried     where the IMU is taken to be; its pose begins the new map
   /// @param T_odom_map  of the map before, whose coordinates the new one continues
-  Restart(const OdometryConfig& config, const sensor::Rig& rig, const imu::Estimate& carried, const math::SE3& T_odom_map);
+  Restart(const OdometryConfig& config, const sensor::Rig& rig, const imu::Estimate& carried, const math::SE3& T_odom_map,
+          Prior prior);
 
   enum class Progress { kOnTrial, kProven, kFailed };
   /// @param is_collapsed  whether the scan is as small as under a cover
@@ -26,12 +35,14 @@ class Restart {
   /// Why the trial failed, or has not been passed yet; when it has, with which figures.
   [[nodiscard]] const std::string& verdict() const { return verdict_; }
   [[nodiscard]] const imu::Estimate& begin() const { return begin_; }
+  [[nodiscard]] MapBeginning beginning() const { return beginning_; }
   [[nodiscard]] const ScanTracker& tracker() const { return *tracker_; }
   [[nodiscard]] std::unique_ptr<ScanTracker> take() { return std::move(tracker_); }
   [[nodiscard]] Time needs_imu_since() const { return begin_.state.time; }
 
  private:
   using Scan = std::shared_ptr<const sensor::LidarScan>;
+  [[nodiscard]] Progress add_without_prior(const Scan& scan, const sensor::ImuBuffer& imu, bool is_collapsed);
   [[nodiscard]] initialization::Window window(const sensor::ImuBuffer& imu) const;
   /// Velocity, gravity and biases from the window; on success the tracker goes on with them.
   [[nodiscard]] bool initialize(const sensor::ImuBuffer& imu);
@@ -46,10 +57,12 @@ class Restart {
   imu::ImuNoise noise_;
   imu::Estimate begin_;
   math::SE3 T_odom_map_;
+  Prior prior_;
   std::unique_ptr<ScanTracker> tracker_;
   std::vector<Scan> scans_;
   initialization::PoseMeasurements poses_;
   std::string verdict_;
+  MapBeginning beginning_ = MapBeginning::kAfterGap;
 };
 
 }  // namespace mmlins::odometry

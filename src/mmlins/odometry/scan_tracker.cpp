@@ -121,10 +121,14 @@ ScanResult ScanTracker::track(std::shared_ptr<const sensor::LidarScan> scan, con
 
   // 5. Grow the map with what was placed. A pose that nothing confirms never writes geometry.
   if (verdict.trusted) {
+    const bool returns = is_bridging_;
     believe(matched.update.estimate, motion.propagation.estimate);
     leaf_ = lidar::adapt_leaf(leaf_, prepared.keypoints.size(), static_cast<std::size_t>(config_.scan.target_keypoints),
                               {config_.scan.min_leaf, config_.scan.max_leaf});
-    if (insertion_is_due()) insert_into_map(prepared.map_points);
+    if (postponed_) insert_into_map(*std::exchange(postponed_, std::nullopt));
+    grow_map(prepared.map_points, returns, judge_.is_explained_as_usual(result.explained));
+  } else {
+    postponed_.reset();
   }
   result.estimate = estimate_;
   result.T_odom_map = T_odom_map_;
@@ -217,7 +221,8 @@ ScanTracker::Match ScanTracker::match(const Prepared& prepared, const imu::Estim
 Verdict ScanTracker::judge(const Match& match, const Motion& motion, const sensor::ImuBuffer& imu, ScanResult& result) {
   estimate_ = motion.propagation.estimate;
   if (match.is_first) return {true, Cause::kNone};
-  Evidence evidence{result.time, result.num_points, result.median_range, match.has_update, result.explained, 0.0, false};
+  Evidence evidence{result.time, result.num_points, result.median_range, match.has_update, result.explained,
+                    drift().position, 0.0, false};
   // While the start is sought, and in the systems that ours is compared with, every match is believed.
   if (!doubts_ || config_.detector != DetectorKind::kDefault) {
     if (match.has_update) judge_.learn(evidence);
@@ -236,8 +241,12 @@ Verdict ScanTracker::judge(const Match& match, const Motion& motion, const senso
   }
   const Verdict verdict = judge_.judge(evidence);
   if (verdict.trusted) return verdict;
-  // The scans of the last second were wrong as well.
-  if (verdict.cause == Cause::kImuDisagrees && evidence.imu_disagrees) estimate_ = disagreement->imu_alone;
+  if (verdict.cause == Cause::kImuDisagrees && evidence.imu_disagrees) {
+    // The scans of the last second were wrong as well. What they did to the pose stays in odom, which never jumps.
+    const math::SE3 T_odom_imu = estimate_.state.T_odom_imu();
+    estimate_ = disagreement->imu_alone;
+    call_the_pose(T_odom_imu);
+  }
   agreement_.clear();
   is_bridging_ = true;
   return verdict;
@@ -295,12 +304,23 @@ bool ScanTracker::insertion_is_due() const {
          math::so3_log(moved.R).norm() >= config_.map.insert_angle_deg * kRadiansPerDegree;
 }
 
-void ScanTracker::insert_into_map(const lidar::Cloud& cloud_imu) {
-  if (cloud_imu.size() == 0) return;
-  const math::SE3 T_map_imu = T_odom_map_.inverse() * estimate_.state.T_odom_imu();
+void ScanTracker::grow_map(const lidar::Cloud& cloud_imu, bool returns, bool as_usual) {
+  // A scan in which a cover comes or goes shows the cover as well. It goes when the robot returns into its map, it
+  // comes when the next scan is not believed.
+  if (cloud_imu.size() == 0 || !insertion_is_due() || (returns && num_insertions_ > 0)) return;
+  const Placed placed{cloud_imu.points, T_odom_map_.inverse() * estimate_.state.T_odom_imu()};
+  if (num_insertions_ > 0 && !as_usual) {
+    postponed_ = placed;
+  } else {
+    insert_into_map(placed);
+  }
+}
+
+void ScanTracker::insert_into_map(const Placed& placed) {
+  const math::SE3& T_map_imu = placed.T_map_imu;
   std::vector<Eigen::Vector3d> points_map;
-  points_map.reserve(cloud_imu.size());
-  for (const Eigen::Vector3f& p_imu : cloud_imu.points) points_map.push_back(T_map_imu * p_imu.cast<double>());
+  points_map.reserve(placed.points_imu.size());
+  for (const Eigen::Vector3f& p_imu : placed.points_imu) points_map.push_back(T_map_imu * p_imu.cast<double>());
   map_->insert(points_map, T_map_imu.t);
   map_->evict_beyond(T_map_imu.t, config_.map.radius);
   T_map_last_insertion_ = T_map_imu;

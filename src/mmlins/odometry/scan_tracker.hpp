@@ -82,7 +82,13 @@ class ScanTracker {
   [[nodiscard]] Verdict judge(const Match& match, const Motion& motion, const sensor::ImuBuffer& imu, ScanResult& result);
   void believe(const imu::Estimate& updated, const imu::Estimate& predicted);
   [[nodiscard]] bool insertion_is_due() const;
-  void insert_into_map(const lidar::Cloud& cloud_imu);
+  /// A scan and where it was seen from, in the frame of the map.
+  struct Placed {
+    std::vector<Eigen::Vector3f> points_imu;
+    math::SE3 T_map_imu;
+  };
+  void grow_map(const lidar::Cloud& cloud_imu, bool returns, bool as_usual);
+  void insert_into_map(const Placed& placed);
 
   OdometryConfig config_;
   sensor::Rig rig_;
@@ -98,6 +104,7 @@ class ScanTracker {
   bool doubts_ = false;
   int num_insertions_ = 0;
   math::SE3 T_map_last_insertion_;
+  std::optional<Placed> postponed_;  ///< enters the map if the next scan is believed
 };
 
 }  // namespace mmlins::odometry

@@ -11,7 +11,10 @@ Fields TrustConfig::fields() {
       field("usual_window", usual_window, "s", {1.0, 600.0}, "what is usual is the median over this much tracking"),
       field("min_explained", min_explained, "", {0.0, 1.0},
             "a scan of which the map explains less than this share of the usual is not believed"),
+      field("insert_explained", insert_explained, "", {0.0, 1.0},
+            "a scan explained less than this enters the map only once the next one has been believed too"),
       field("min_explained_again", min_explained_again, "", {0.0, 1.0}, "the same after an absence, when the pose is in doubt"),
+      field("doubtful_drift", doubtful_drift, "m", {0.0, 100.0}, "it is, when it may have drifted by this standard deviation"),
       field("short_absence", short_absence, "s", {0.0, 60.0}, "after less than this the first scan needs no more than any other"),
       field("max_return_chi2", max_return_chi2, "", {1.0, 1e6},
             "after an absence: largest squared distance of the pose from the IMU's, in its standard deviations"),
@@ -28,13 +31,19 @@ Fields TrustConfig::fields() {
   };
 }
 
+namespace {
+
+constexpr std::size_t kEnough = 10;
+
+}  // namespace
+
 void RunningMedian::push(Time time, double value, Duration window) {
   values_.emplace_back(time, value);
-  while (values_.front().first < time - window) values_.pop_front();
+  // What was usual before an absence longer than the window is better than nothing.
+  while (values_.size() > kEnough && values_.front().first < time - window) values_.pop_front();
 }
 
 std::optional<double> RunningMedian::median() const {
-  constexpr std::size_t kEnough = 10;
   if (values_.size() < kEnough) return std::nullopt;
   std::vector<double> sorted;
   sorted.reserve(values_.size());
@@ -55,8 +64,10 @@ Cause TrustJudge::reason_to_refuse(const Evidence& evidence) const {
   if (evidence.num_points == 0) return Cause::kNoPoints;
   const Cause unexplained = has_collapsed(evidence) ? Cause::kBlocked : Cause::kTooFewMatches;
   if (!evidence.matched) return unexplained;
-  const bool absent = last_trusted_ && evidence.time - *last_trusted_ > from_seconds(config_.short_absence);
-  const double share = absent ? config_.min_explained_again : config_.min_explained;
+  const bool absent =
+      was_contradicted_ || (last_trusted_ && evidence.time - *last_trusted_ > from_seconds(config_.short_absence));
+  const bool doubtful = was_contradicted_ || (absent && evidence.drift > config_.doubtful_drift);
+  const double share = doubtful ? config_.min_explained_again : config_.min_explained;
   const auto usual = explained_.median();
   if (usual && evidence.explained < share * *usual) return unexplained;
   if (absent && evidence.return_chi2 > config_.max_return_chi2) return Cause::kImuDisagrees;
@@ -64,8 +75,14 @@ Cause TrustJudge::reason_to_refuse(const Evidence& evidence) const {
   return Cause::kNone;
 }
 
+bool TrustJudge::is_explained_as_usual(double explained) const {
+  const auto usual = explained_.median();
+  return !usual || explained >= config_.insert_explained * *usual;
+}
+
 Verdict TrustJudge::judge(const Evidence& evidence) {
   const Cause cause = reason_to_refuse(evidence);
+  was_contradicted_ = cause == Cause::kImuDisagrees || (was_contradicted_ && cause != Cause::kNone);
   if (cause != Cause::kNone) return {false, cause};
   learn(evidence);
   return {true, Cause::kNone};

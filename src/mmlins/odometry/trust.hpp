@@ -17,8 +17,10 @@ namespace mmlins::odometry {
 struct TrustConfig {
   double usual_window = 30.0;
   double min_explained = 0.3;
+  double insert_explained = 0.7;
   double min_explained_again = 0.5;
   double short_absence = 0.5;
+  double doubtful_drift = 0.3;
   double max_return_chi2 = 30.0;
   double collapsed_range = 0.5;
   double collapsed_count = 0.1;
@@ -49,6 +51,7 @@ struct Evidence {
   double median_range = 0.0;  ///< [m]
   bool matched = false;       ///< enough matches for an update
   double explained = 0.0;     ///< share of the keypoints that match
+  double drift = 0.0;         ///< standard deviation of the predicted position since it was last believed [m]
   double return_chi2 = 0.0;   ///< shift of the update against the prediction's own doubt
   bool imu_disagrees = false; ///< over the last while, MotionAgreement
 };
@@ -67,6 +70,8 @@ class TrustJudge {
   void learn(const Evidence& evidence);
   /// Whether enough was tracked to know what is usual.
   [[nodiscard]] bool knows_the_usual() const { return explained_.median().has_value(); }
+  /// Whether the map explains as much of a scan as it should of one that is to grow it.
+  [[nodiscard]] bool is_explained_as_usual(double explained) const;
   /// Whether the scan has shrunk against what was usual before trust was lost, as under a cover.
   [[nodiscard]] bool has_collapsed(const Evidence& evidence) const;
 
@@ -78,6 +83,7 @@ class TrustJudge {
   RunningMedian range_;
   RunningMedian count_;
   std::optional<Time> last_trusted_;
+  bool was_contradicted_ = false;  // by the IMU; until a match is believed again
 };
 
 }  // namespace mmlins::odometry
