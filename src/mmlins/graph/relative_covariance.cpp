@@ -111,11 +111,11 @@ class CovarianceSolver {
         H_(normal_matrix(graph, index, poses_, weights, unknowns_)) {
     if (unknowns_.size == 0) return;
     cholesky_.compute(H_);
-    const Eigen::VectorXd diagonal = cholesky_.permutationP() * Eigen::VectorXd(H_.diagonal());
     regular_ = cholesky_.info() == Eigen::Success;
-    for (int i = 0; regular_ && i < unknowns_.size; ++i) {
-      regular_ = cholesky_.vectorD()(i) > kSingular * diagonal(i);
-    }
+    if (!regular_) return;
+    const Eigen::VectorXd diagonal = cholesky_.permutationP() * Eigen::VectorXd(H_.diagonal());
+    const Eigen::VectorXd pivots = cholesky_.vectorD();
+    regular_ = (pivots.array() > kSingular * diagonal.array()).all();
   }
 
   RelativeCovariance between(int i, int j) const {
