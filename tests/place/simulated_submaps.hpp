@@ -75,9 +75,11 @@ class Site {
     const keyframe::Keyframes keyframes = drive(spec, &blocked);
     std::vector<keyframe::Submap> submaps;
     for (const auto& range : keyframe::split_by_travel(keyframes, config)) {
-      const auto first = static_cast<std::ptrdiff_t>(range.first), last = static_cast<std::ptrdiff_t>(range.last);
+      const auto first = static_cast<std::ptrdiff_t>(range.first),
+                 last = static_cast<std::ptrdiff_t>(range.last);
       if (std::any_of(blocked.begin() + first, blocked.begin() + last, [](bool b) { return b; })) continue;
-      submaps.push_back(keyframe::build_submap({keyframes.begin() + first, keyframes.begin() + last}, config));
+      submaps.push_back(
+          keyframe::build_submap({keyframes.begin() + first, keyframes.begin() + last}, config));
       if (submaps.back().travel < 0.7 * config.travel) submaps.pop_back();
     }
     return submaps;
@@ -89,13 +91,16 @@ class Site {
   /// A motion shifted to the left of where it goes.
   class Beside : public sim::Motion {
    public:
-    Beside(std::unique_ptr<sim::Motion> course, double offset) : course_(std::move(course)), offset_(offset) {}
+    Beside(std::unique_ptr<sim::Motion> course, double offset)
+        : course_(std::move(course)), offset_(offset) {}
     [[nodiscard]] sim::Kinematics at(double seconds) const override {
       sim::Kinematics kinematics = course_->at(seconds);
       kinematics.T_world_imu.t += offset_ * left(kinematics);
       return kinematics;
     }
-    [[nodiscard]] math::Vector3d on_course(double seconds) const { return course_->at(seconds).T_world_imu.t; }
+    [[nodiscard]] math::Vector3d on_course(double seconds) const {
+      return course_->at(seconds).T_world_imu.t;
+    }
 
    private:
     static math::Vector3d left(const sim::Kinematics& kinematics) {
@@ -117,7 +122,9 @@ class Site {
     config.reverse = reverse;
     return sim::make_motion(config, sim::scene_route(world_config_));
   }
-  static Eigen::Vector2d place(const sim::Motion& motion, double t) { return motion.at(t).T_world_imu.t.head<2>(); }
+  static Eigen::Vector2d place(const sim::Motion& motion, double t) {
+    return motion.at(t).T_world_imu.t.head<2>();
+  }
 
   [[nodiscard]] bool is_barred(const Beside& motion, double t) const {
     const math::Vector3d from = motion.on_course(t), to = motion.at(t).T_world_imu.t;
@@ -128,7 +135,8 @@ class Site {
 
   static Time time_of(double t) { return Time(from_seconds(t)); }
 
-  static keyframe::KeyframePointer empty_keyframe(int id, const DriveSpec& spec, const sim::Motion& motion, double t) {
+  static keyframe::KeyframePointer empty_keyframe(int id, const DriveSpec& spec, const sim::Motion& motion,
+                                                  double t) {
     keyframe::Keyframe kf;
     kf.id = id;
     kf.map_id = spec.map_id;
@@ -138,8 +146,8 @@ class Site {
     return std::make_shared<const keyframe::Keyframe>(std::move(kf));
   }
 
-  keyframe::KeyframePointer see(int id, const DriveSpec& spec, const sim::Motion& motion, const sim::LidarModel& lidar,
-                                double t) const {
+  keyframe::KeyframePointer see(int id, const DriveSpec& spec, const sim::Motion& motion,
+                                const sim::LidarModel& lidar, double t) const {
     const Duration end = from_seconds(t + 10.0), begin = end - from_seconds(0.1);  // patterns start at 0
     const Shifted shifted(motion, 10.0);
     const sensor::LidarScan scan = lidar.scan(*world_, shifted, begin, end).scan;

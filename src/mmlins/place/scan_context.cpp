@@ -29,17 +29,21 @@ int align_keys(const Eigen::VectorXf& query, const Eigen::VectorXf& candidate) {
   return best;
 }
 
-/// The paper's distance at one shift; sectors that are empty in either have nothing in common.
+/// The paper's distance at one shift. A sector that is empty in one of them has nothing in common; one that
+/// is empty in both says nothing.
 double distance_at(const ScanContext& query, const ScanContext& candidate, Eigen::Index shift) {
   const Eigen::Index n = query.heights.cols();
   double similarity = 0.0;
+  int num_compared = 0;
   for (Eigen::Index j = 0; j < n; ++j) {
     const auto a = query.heights.col(j);
     const auto b = candidate.heights.col((j + shift) % n);
-    const double norms = static_cast<double>(a.norm()) * static_cast<double>(b.norm());
-    if (norms > 0.0) similarity += static_cast<double>(a.dot(b)) / norms;
+    const double norm_a = static_cast<double>(a.norm()), norm_b = static_cast<double>(b.norm());
+    if (norm_a == 0.0 && norm_b == 0.0) continue;
+    ++num_compared;
+    if (norm_a > 0.0 && norm_b > 0.0) similarity += static_cast<double>(a.dot(b)) / (norm_a * norm_b);
   }
-  return 1.0 - similarity / static_cast<double>(n);
+  return num_compared > 0 ? 1.0 - similarity / num_compared : 1.0;
 }
 
 }  // namespace

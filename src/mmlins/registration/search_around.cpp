@@ -4,12 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <optional>
 #include <queue>
 #include <tuple>
-#include <unordered_map>
 
-#include "mmlins/math/grid.hpp"
+#include "mmlins/registration/fit_height.hpp"
 #include "mmlins/registration/structure_grid.hpp"
 
 namespace mmlins::registration {
@@ -19,9 +17,8 @@ namespace {
 using math::SE3;
 using math::Vector3d;
 
-constexpr int kNumLevels = 6;         // windows of up to 32 cells
-constexpr int kMaxColumns = 1500;     // of the source, the highest ones
-constexpr int kMinCommonGround = 20;  // columns
+constexpr int kNumLevels = 6;      // windows of up to 32 cells
+constexpr int kMaxColumns = 1500;  // of the source, the highest ones
 
 /// A square of 2^level shifts from (x, y) on, all with one yaw; its score bounds those of all in it.
 struct Node {
@@ -159,27 +156,6 @@ class Search {
   std::vector<std::vector<TurnedColumn>> turned_;
 };
 
-/// The height at which most of the grounds of both meet; nothing if they have too little in common.
-std::optional<double> common_ground(const std::vector<keyframe::Column>& source,
-                                    const std::vector<keyframe::Column>& target, const SE3& T, double cell) {
-  const auto key = [&](const Eigen::Vector2d& p) {
-    return math::cell_key(math::cell_at<double>(Vector3d(p.x(), p.y(), 0.0), 1.0 / cell));
-  };
-  std::unordered_map<std::uint64_t, float> lowest;
-  for (const auto& column : target) lowest.emplace(key(column.place.cast<double>()), column.lowest);
-  std::vector<double> steps;
-  for (const auto& column : source) {
-    const Vector3d p = T * Vector3d(column.place.x(), column.place.y(), 0.0);
-    const auto found = lowest.find(key(p.head<2>()));
-    if (found != lowest.end())
-      steps.push_back(static_cast<double>(found->second) - static_cast<double>(column.lowest));
-  }
-  if (steps.size() < kMinCommonGround) return std::nullopt;
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
-}
-
 }  // namespace
 
 Fields SearchConfig::fields() {
@@ -196,15 +172,13 @@ Fields SearchConfig::fields() {
 
 std::vector<Start> search_around(const keyframe::Submap& source, const keyframe::Submap& target,
                                  const SE3& T_guess, const SearchRegion& region, const SearchConfig& config) {
-  const auto source_columns = keyframe::columns_of(source, config.view);
   const auto target_columns = keyframe::columns_of(target, config.view);
-  const auto standing = strongest(source_columns);
+  const auto standing = strongest(keyframe::columns_of(source, config.view));
   if (standing.empty()) return {};
   std::vector<Start> starts = Search(standing, target_columns, region, config).run(T_guess);
   for (Start& start : starts) {
-    const auto ground =
-        common_ground(source_columns, target_columns, start.T_target_source, config.view.cell);
-    start.T_target_source.t.z() = ground.value_or(T_guess.t.z());
+    start.T_target_source.t.z() = T_guess.t.z();
+    start.T_target_source = fit_height(source, target, start.T_target_source, region.height);
   }
   return starts;
 }

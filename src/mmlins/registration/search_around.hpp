@@ -27,10 +27,11 @@ struct SearchRegion {
   double semi_axis_x = 20.0;  ///< along the target's x [m]
   double semi_axis_y = 20.0;  ///< [m]
   double yaw = 0.26;          ///< to either side [rad]
+  double height = 2.5;        ///< up and down; less than a storey, or floors would be confused [m]
 };
 
 struct Start {
-  math::SE3 T_target_source;  ///< level; its height is where the grounds meet
+  math::SE3 T_target_source;  ///< level; its height comes from fit_height()
   double score = 0.0;         ///< share of the source's structure that meets structure of the target
 };
 
