@@ -74,6 +74,21 @@ TEST(Robust, ThirtyPercentFalseLoopsAreRejectedAndTrueOnesKept) {
   }
 }
 
+TEST(Robust, LoopsOverALongDriftAreNotTakenForFalseBecauseOfAFewThatAre) {
+  Chain chain = make_chain({.num_nodes = 1500, .nodes_per_lap = 300, .loop_every = 10, .seed = 2});
+  const std::size_t first_false = chain.graph.edges.size();
+  math::Random random(11);
+  for (int i = 0; i < 3; ++i)
+    chain.graph.edges.push_back(false_loop(1500, diagonal_information(0.002, 0.02), random));
+  const auto result = optimize(chain.graph);
+  ASSERT_TRUE(result.ok());
+  EXPECT_GT(result->report.initial.total / static_cast<double>(chain.graph.edges.size()), 1000.0);
+  for (std::size_t e = first_false; e < chain.graph.edges.size(); ++e) {
+    EXPECT_EQ(result->report.edges[e].weight, 0.0);
+  }
+  EXPECT_LE(result->report.num_rejected, 3 + 2);  // of 120 true ones, once in a thousand each
+}
+
 TEST(Robust, OdometryIsNeverRejectedEvenIfFlagged) {
   Chain chain = make_chain({});
   Edge& odometry = chain.graph.edges[50];
