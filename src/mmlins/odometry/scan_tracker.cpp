@@ -112,12 +112,12 @@ ScanResult ScanTracker::track(std::shared_ptr<const sensor::LidarScan> scan, con
   result.pull = {matched.update.linearised_at, matched.update.information.H, matched.update.information.b};
   result.explained = static_cast<double>(result.num_matches) / std::max(1, result.num_keypoints);
   result.median_range = median_range(*prepared.cloud_imu);
-  result.times.update = stopwatch.lap_ms();
+  result.times.update = stopwatch.lap_ms() - matched.analysis_ms;
 
   // 4. Is that to be believed?
   const Verdict verdict = judge(matched, motion, imu, result);
   set_state(result, verdict, motion.has_gap);
-  result.times.health = stopwatch.lap_ms();
+  result.times.health = stopwatch.lap_ms() + matched.analysis_ms;
 
   // 5. Grow the map with what was placed. A pose that nothing confirms never writes geometry.
   if (verdict.trusted) {
@@ -198,8 +198,10 @@ ScanTracker::Match ScanTracker::match(const Prepared& prepared, const imu::Estim
         filter::PoseInformation information = measurement.linearise(state, P);
         if (information.num_residuals < config_.matching.min_matches) return information;
         if (!std::exchange(is_analysed, true)) {
+          Stopwatch stopwatch;
           result.observability =
               degeneracy::analyse_observability(measurement.scan_information(state), config_.observability);
+          result.analysis_ms = stopwatch.lap_ms();
         }
         // The planes of a map that has just begun are all doubtful: nothing could start without them.
         if (!config_.matching.soften_weak_directions || !judge_.knows_the_usual()) return information;

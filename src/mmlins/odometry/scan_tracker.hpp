@@ -73,6 +73,7 @@ class ScanTracker {
     degeneracy::Observability observability;
     math::Matrix6d unweighted = math::Matrix6d::Zero();  ///< only for the reference detectors
     double residual_rms = 0.0;
+    double analysis_ms = 0.0;  ///< time spent on the observability
     bool has_update = false;
     bool is_first = false;  ///< there is no map yet
   };
