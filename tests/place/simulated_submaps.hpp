@@ -23,7 +23,7 @@ namespace mmlins::place_test {
 /// How a drive goes along the course of its site.
 struct DriveSpec {
   std::string sensor = "vlp16";
-  bool reverse = false;
+  bool reverse = false;    ///< the same part of the course, from its end to its beginning
   double offset = 0.0;     ///< to the left of the course, seen in the direction of travel [m]
   double from = 0.0;       ///< time on the course at which it begins [s]
   double duration = 30.0;  ///< [s]
@@ -37,7 +37,7 @@ class Site {
   explicit Site(sim::SceneKind scene, int seed = 1, double speed = 3.0) : speed_(speed) {
     world_config_.scene = scene;
     world_config_.seed = seed;
-    const auto motion = motion_of(false);
+    const auto motion = motion_of();
     sim::Polygon passed;
     for (double t = 0.0; t < kLongest / speed_; t += 0.3 / speed_) passed.push_back(place(*motion, t));
     world_ = sim::make_world(world_config_, passed);
@@ -50,7 +50,7 @@ class Site {
     sensor.model = spec.sensor;
     if (spec.sensor == "os1_64") sensor.columns = 512;
     const sim::LidarModel lidar(sensor, static_cast<std::uint64_t>(spec.seed));
-    const Beside motion(motion_of(spec.reverse), spec.offset);
+    const Beside motion(motion_of(), spec);
     keyframe::Keyframes keyframes;
     std::optional<math::Vector3d> last;
     for (double t = spec.from; t < spec.from + spec.duration; t += 0.05) {
@@ -88,30 +88,31 @@ class Site {
  private:
   static constexpr double kLongest = 1500.0;  // of the courses that objects keep free [m]
 
-  /// A motion shifted to the left of where it goes.
+  /// A motion shifted to the left of where it goes, there or back.
   class Beside : public sim::Motion {
    public:
-    Beside(std::unique_ptr<sim::Motion> course, double offset)
-        : course_(std::move(course)), offset_(offset) {}
+    Beside(std::unique_ptr<sim::Motion> course, const DriveSpec& spec)
+        : course_(std::move(course)), spec_(spec) {}
     [[nodiscard]] sim::Kinematics at(double seconds) const override {
-      sim::Kinematics kinematics = course_->at(seconds);
-      kinematics.T_world_imu.t += offset_ * left(kinematics);
+      sim::Kinematics kinematics = on_course(seconds);
+      const math::Vector3d v = kinematics.velocity_world;
+      kinematics.T_world_imu.t += spec_.offset * math::Vector3d(-v.y(), v.x(), 0.0).normalized();
       return kinematics;
     }
-    [[nodiscard]] math::Vector3d on_course(double seconds) const {
-      return course_->at(seconds).T_world_imu.t;
+    [[nodiscard]] sim::Kinematics on_course(double seconds) const {
+      if (!spec_.reverse) return course_->at(seconds);
+      sim::Kinematics back = course_->at(2.0 * spec_.from + spec_.duration - seconds);
+      back.velocity_world = -back.velocity_world;
+      back.T_world_imu.R = back.T_world_imu.R * math::so3_exp({0.0, 0.0, std::numbers::pi});
+      return back;
     }
 
    private:
-    static math::Vector3d left(const sim::Kinematics& kinematics) {
-      const math::Vector3d v = kinematics.velocity_world;
-      return math::Vector3d(-v.y(), v.x(), 0.0).normalized();
-    }
     std::unique_ptr<sim::Motion> course_;
-    double offset_;
+    DriveSpec spec_;
   };
 
-  [[nodiscard]] std::unique_ptr<sim::Motion> motion_of(bool reverse) const {
+  [[nodiscard]] std::unique_ptr<sim::Motion> motion_of() const {
     sim::TrajectoryConfig config;
     config.style = sim::PathStyle::kRoute;
     config.start_in_motion = true;
@@ -119,7 +120,6 @@ class Site {
     config.ramp = 0.1;
     config.speed = speed_;
     config.start_lap = 0.0;
-    config.reverse = reverse;
     return sim::make_motion(config, sim::scene_route(world_config_));
   }
   static Eigen::Vector2d place(const sim::Motion& motion, double t) {
@@ -127,7 +127,7 @@ class Site {
   }
 
   [[nodiscard]] bool is_barred(const Beside& motion, double t) const {
-    const math::Vector3d from = motion.on_course(t), to = motion.at(t).T_world_imu.t;
+    const math::Vector3d from = motion.on_course(t).T_world_imu.t, to = motion.at(t).T_world_imu.t;
     const double length = (to - from).norm();
     if (length < 1e-6) return false;
     return world_->cast({from, (to - from) / length}, length + 0.3).has_value();

@@ -115,6 +115,29 @@ TEST(Verify, TwinHallsAreToldApartByWhereTheyAre) {
   EXPECT_GE(twins, 1);
 }
 
+// Storeys of one building, 3 m above each other and much alike: odometry knows the height by decimetres.
+TEST(Verify, StoreysAreToldApartByTheirHeight) {
+  const Site site(sim::SceneKind::kFloors, 1, 1.2);
+  const auto all = site.submaps({.sensor = "mid360", .duration = 130, .step = 2.0, .seed = 1});
+  const VerificationConfig config;
+  int pairs = 0;
+  for (const Submap& there : all) {
+    for (const Submap& here : all) {
+      const SE3 truth = true_T(here, there);
+      if (std::abs(truth.t.z()) < 2.0 || truth.t.head<2>().norm() > 4.0) continue;
+      ++pairs;
+      SE3 alias = truth;  // as if both were on one floor
+      alias.t.z() = 0.0;
+      const std::vector<SE3> starts{alias};
+      const auto result = verify(prepare(there, config.registration), prepare(here, config.registration),
+                                 starts, prior_of(truth, 0.5, 1.0), config);
+      EXPECT_FALSE(result.accepted && (result.registration.T_target_source.t - truth.t).norm() > 0.2)
+          << result.reason;
+    }
+  }
+  EXPECT_GE(pairs, 2);
+}
+
 TEST(SearchAround, FindsItsWayBackFromTwentyMetresAndFifteenDegreesOff) {
   const Site site(sim::SceneKind::kCampus, 1, 3.0);
   const auto old_map = site.submaps({.sensor = "vlp16", .duration = 6, .seed = 1});
