@@ -17,3 +17,8 @@ endif()
 if(CMAKE_BUILD_TYPE STREQUAL "Release")
   target_compile_options(mmlins_compile_options INTERFACE -O3)
 endif()
+# The packaged Ceres was built with Eigen's alignment for plain x86-64 and shares template code with ours at run
+# time: memory that one side allocates the other frees. Wider vectors and sanitizers would change ours.
+if(MMLINS_NATIVE OR MMLINS_SANITIZE)
+  target_compile_definitions(mmlins_compile_options INTERFACE EIGEN_MAX_ALIGN_BYTES=16 EIGEN_MALLOC_ALREADY_ALIGNED=1)
+endif()
