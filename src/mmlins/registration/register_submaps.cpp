@@ -138,7 +138,7 @@ Account take_account(const PreparedSubmap& source, const SE3& T, const Matching&
   return account;
 }
 
-/// docs/math/registration.md, Eq. (5).
+/// docs/math/registration.md, Eq. (4).
 double correlation_of(const Account& account, double least) {
   std::vector<double> squares;
   squares.reserve(account.clusters.size());
