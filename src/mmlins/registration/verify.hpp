@@ -47,8 +47,8 @@ struct Verification {
 ///
 /// Where the surroundings leave a direction open (a corridor), the result is accepted only with a prior, as
 /// an edge that says nothing about that direction: without one, any two corridors would fit. Two places that
-/// are the same in everything that both submaps show cannot be told apart by looking; the prior, or agreement
-/// of several candidates, must do it.
+/// are the same in everything that both submaps show cannot be told apart by looking; the prior must do
+/// it.
 ///
 /// @param starts  guesses of T_target_source, from recognition or search_around()
 [[nodiscard]] Verification verify(const PreparedSubmap& source, const PreparedSubmap& target,
