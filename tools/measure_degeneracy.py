@@ -80,6 +80,9 @@ def main() -> None:
     names = chosen.only.split(",")
     if unknown := set(names) - set(SECTIONS):
         sys.exit(f"--only: there is no {', '.join(sorted(unknown))}; there are {', '.join(SECTIONS)}")
+    for program in filter(None, (chosen.mmlins, chosen.simulator, chosen.plain)):
+        if not pathlib.Path(program).is_file():
+            sys.exit(f"{program}: there is no such program; build it with scripts/build, or name another")
     if chosen.recordings:
         chosen.recordings.mkdir(parents=True, exist_ok=True)
     wanted = Wanted(chosen.methods.split(","), [int(seed) for seed in chosen.seeds.split(",")], chosen.names,

@@ -353,6 +353,9 @@ def write_all(cache: pathlib.Path) -> None:
 
 def main() -> None:
     chosen = options()
+    for program in filter(None, (chosen.mmlins, chosen.simulator)):
+        if not pathlib.Path(program).is_file():
+            sys.exit(f"{program}: there is no such program; build it with scripts/build, or name another")
     (chosen.cache / "twins").mkdir(parents=True, exist_ok=True)
     if chosen.mmlins:
         measure_all(chosen)

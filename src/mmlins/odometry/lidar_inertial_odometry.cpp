@@ -8,7 +8,6 @@
 #include "mmlins/base/log.hpp"
 
 namespace mmlins::odometry {
-
 namespace {
 
 /// After so many fruitless trials what the IMU carried is taken to be wrong.

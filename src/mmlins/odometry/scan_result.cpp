@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "mmlins/odometry/scan_result.hpp"
 
-#include "mmlins/odometry/map_record.hpp"
-
 namespace mmlins::odometry {
 
 bool is_placed(TrackingState state) {
@@ -17,15 +15,6 @@ std::string_view to_string(TrackingState state) {
     case TrackingState::kBridging: return "BRIDGING";
     case TrackingState::kLost: return "LOST";
     case TrackingState::kRelocating: return "RELOCATING";
-  }
-  return "";
-}
-
-std::string_view to_string(MapBeginning beginning) {
-  switch (beginning) {
-    case MapBeginning::kAtRest: return "at rest";
-    case MapBeginning::kInMotion: return "in motion";
-    case MapBeginning::kAfterGap: return "after a gap";
   }
   return "";
 }
