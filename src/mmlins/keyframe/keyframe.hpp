@@ -4,6 +4,7 @@
 // of its own map; points stay in the body frame, so that no optimisation ever has to rewrite them.
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -12,6 +13,11 @@
 
 namespace mmlins::keyframe {
 
+/// Coordinates of points are whole multiples of this [m], small enough for 16 bits: what is stored is what was in memory.
+inline constexpr double kPointQuantum = 0.004;
+/// Points farther away along any axis than this have no place in a keyframe [m].
+inline constexpr double kPointReach = 131.0;
+
 struct Keyframe {
   int id = 0;
   int map_id = 0;
@@ -19,6 +25,7 @@ struct Keyframe {
   math::SE3 T_map_imu;
   math::Vector3d down_imu = -math::Vector3d::UnitZ();  ///< direction of gravity, unit, in the IMU frame
   std::vector<Eigen::Vector3f> points_imu;             ///< thinned, straightened [m]
+  std::vector<std::uint16_t> intensities;              ///< of each point; empty if there are none
 };
 
 /// Keyframes are shared between stages and never changed.
