@@ -17,6 +17,8 @@ WRAPPED = {
     "tbb": ["src/mmlins/base"],
     "yaml-cpp": ["src/mmlins/config"],
     "ceres": ["src/mmlins/graph"],
+    "sqlite3.h": ["src/mmlins/atlas"],
+    "zlib.h": ["src/mmlins/atlas"],
     "rosbag": ["src/mmlins/io"],
     "ros": ["src/mmlins/io"],
     "nlohmann": ["src/mmlins/pipeline", "apps"],

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+#include "mmlins/atlas/atlas_keyframe_store.hpp"
+
+namespace mmlins::atlas {
+
+std::size_t size_in_memory(const keyframe::Keyframe& kf) {
+  return sizeof(kf) + kf.points_imu.capacity() * sizeof(kf.points_imu[0]) +
+         kf.intensities.capacity() * sizeof(kf.intensities[0]);
+}
+
+void AtlasKeyframeStore::keep(const keyframe::KeyframePointer& keyframe) {
+  recent_.push_front(keyframe);
+  index_[keyframe->id] = recent_.begin();
+  bytes_kept_ += size_in_memory(*keyframe);
+  while (bytes_kept_ > budget_) {
+    bytes_kept_ -= size_in_memory(*recent_.back());
+    index_.erase(recent_.back()->id);
+    recent_.pop_back();
+  }
+}
+
+Status AtlasKeyframeStore::add(const keyframe::KeyframePointer& keyframe) {
+  if (const Status status = atlas_.add_keyframe(*keyframe); !status) return status;
+  keep(keyframe);
+  return {};
+}
+
+Result<keyframe::KeyframePointer> AtlasKeyframeStore::load(int id) {
+  if (const auto found = index_.find(id); found != index_.end()) {
+    recent_.splice(recent_.begin(), recent_, found->second);
+    return recent_.front();
+  }
+  auto loaded = atlas_.load_keyframe(id);
+  if (!loaded) return loaded.error();
+  const auto keyframe = std::make_shared<const keyframe::Keyframe>(std::move(loaded).value());
+  keep(keyframe);
+  return keyframe::KeyframePointer(keyframe);
+}
+
+}  // namespace mmlins::atlas
