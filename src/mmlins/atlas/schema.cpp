@@ -55,7 +55,10 @@ IndexIdentity identify_index(const std::string& folder) {
   std::array<char, kHeaderSize> header{};
   file.read(header.data(), header.size());
   if (file.gcount() == 0) return {IndexKind::kEmpty, 0};
-  if (std::string_view(header.data(), kSqliteMagic.size()) != kSqliteMagic) return {IndexKind::kUnknown, 0};
+  const bool is_whole = file.gcount() == static_cast<std::streamsize>(kHeaderSize);
+  if (!is_whole || std::string_view(header.data(), kSqliteMagic.size()) != kSqliteMagic) {
+    return {IndexKind::kUnknown, 0};
+  }
   if (big_endian(header, kApplicationIdAt) != kApplicationId) return {IndexKind::kForeign, 0};
   const int version = big_endian(header, kUserVersionAt);
   return {version > kFormatVersion ? IndexKind::kNewer : IndexKind::kOurs, version};

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT
+// A writer is killed at moments that nobody chose; what it had committed must be there, and no more than
+// whole changes.
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <functional>
+
+#include "mmlins/atlas/atlas.hpp"
+#include "tests/atlas/example.hpp"
+
+namespace mmlins::atlas {
+namespace {
+
+constexpr int kNumKills = 20;
+
+/// What the child process tells: how many steps it has committed.
+class Progress {
+ public:
+  Progress() { EXPECT_EQ(pipe(ends_), 0); }
+  void tell(int steps) const { (void)!write(ends_[1], &steps, sizeof(steps)); }
+  /// The last that was told; ends when the child is gone.
+  int last() {
+    close(ends_[1]);
+    int steps = 0;
+    for (int next = 0; read(ends_[0], &next, sizeof(next)) == sizeof(next);) steps = next;
+    close(ends_[0]);
+    return steps;
+  }
+
+ private:
+  int ends_[2] = {};
+};
+
+/// Runs `work` in a process of its own and kills that after a while. @return how many steps it had committed
+int run_and_kill(const std::function<void(const Progress&)>& work, int microseconds) {
+  Progress progress;
+  const pid_t child = fork();
+  if (child == 0) {
+    work(progress);
+    _exit(0);
+  }
+  usleep(static_cast<useconds_t>(microseconds));
+  kill(child, SIGKILL);
+  const int steps = progress.last();
+  int status = 0;
+  waitpid(child, &status, 0);
+  return steps;
+}
+
+void require(bool condition) {
+  if (!condition) _exit(1);
+}
+
+/// Adds keyframes without end, each with an edge to the one before, and commits after every third.
+void write_keyframes(const std::string& folder, const Progress& progress) {
+  auto atlas = Atlas::create(folder, {.batch_keyframes = 1000, .chunk_bytes = 20000});
+  require(atlas.ok() && atlas->add_map(example_map(1)).ok());
+  for (int id = 0;; ++id) {
+    require(atlas->add_keyframe(example_keyframe(id, 1)).ok());
+    require(id == 0 || atlas->add_edge(example_edge(id - 1, id)).ok());
+    if (id % 3 != 2) continue;
+    require(atlas->commit().ok());
+    progress.tell(id + 1);
+  }
+}
+
+TEST(Crash, LeavesAllKeyframesThatWereCommitted) {
+  math::Random random(20260101);
+  int most = 0;
+  for (int i = 0; i < kNumKills; ++i) {
+    const TemporaryFolder folder;
+    const std::string place = folder / "atlas";
+    const int committed = run_and_kill([&](const Progress& progress) { write_keyframes(place, progress); },
+                                       static_cast<int>(random.uniform(1e3, 1e5)));
+    most = std::max(most, committed);
+    auto atlas = Atlas::open(place, Access::kWrite);
+    if (!atlas.ok() && committed == 0) continue;  // killed before there was an atlas
+    ASSERT_TRUE(atlas.ok()) << atlas.error().message;
+    const auto keyframes = atlas->keyframes();
+    ASSERT_TRUE(keyframes.ok());
+    EXPECT_GE(static_cast<int>(keyframes->size()), committed);
+    EXPECT_EQ(keyframes->size() % 3, 0U);
+    EXPECT_EQ(atlas->edges()->size(), keyframes->empty() ? 0 : keyframes->size() - 1);
+    for (const KeyframeRow& row : *keyframes) {
+      const auto loaded = atlas->load_keyframe(row.id);
+      ASSERT_TRUE(loaded.ok()) << loaded.error().message;
+      EXPECT_EQ(loaded->points_imu, example_keyframe(row.id, 1).points_imu);
+    }
+    const auto report = atlas->check();
+    EXPECT_TRUE(report->problems.empty()) << report->problems.front();
+    // Life goes on.
+    const int next = static_cast<int>(keyframes->size());
+    EXPECT_TRUE(atlas->add_keyframe(example_keyframe(next, 1)).ok());
+    EXPECT_TRUE(atlas->commit().ok());
+    EXPECT_EQ(atlas->load_keyframe(next)->points_imu, example_keyframe(next, 1).points_imu);
+  }
+  EXPECT_GT(most, 10);  // else nothing was tested
+}
+
+constexpr int kMergeKeyframes = 100;
+
+SE3 numbered_pose(int number) { return {math::Matrix3d::Identity(), Vector3d::Constant(number)}; }
+
+/// Merges again and again; merge number n moves everything to n.
+void write_merges(const std::string& folder, const Progress& progress) {
+  auto atlas = Atlas::open(folder, Access::kWrite);
+  require(atlas.ok());
+  for (int n = 1;; ++n) {
+    GraphChange change;
+    change.new_edges = {example_edge(0, 1, graph::EdgeKind::kMerge),
+                        example_edge(2, 3, graph::EdgeKind::kMerge)};
+    for (int id = 0; id < kMergeKeyframes; ++id) change.T_map_imu_optimised.push_back({id, numbered_pose(n)});
+    change.T_world_map = {{0, numbered_pose(n)}, {1, numbered_pose(n)}};
+    change.worlds = {{1, n}};
+    require(atlas->commit_merge(MergeRow{}, change).ok());
+    progress.tell(n);
+  }
+}
+
+TEST(Crash, LeavesAMergeAsAWholeOrNotAtAll) {
+  const TemporaryFolder folder;
+  const std::string place = folder / "atlas";
+  {
+    auto atlas = Atlas::create(place);
+    ASSERT_TRUE(atlas.ok());
+    for (const int id : {0, 1}) ASSERT_TRUE(atlas->add_map(example_map(id)).ok());
+    for (int id = 0; id < kMergeKeyframes; ++id) {
+      ASSERT_TRUE(atlas->add_keyframe(example_keyframe(id, id % 2)).ok());
+    }
+  }
+  math::Random random(20260102);
+  int most = 0;
+  for (int i = 0; i < kNumKills; ++i) {
+    const int committed = run_and_kill([&](const Progress& progress) { write_merges(place, progress); },
+                                       static_cast<int>(random.uniform(1e3, 5e4)));
+    most = std::max(most, committed);
+    const auto atlas = Atlas::open(place, Access::kRead);
+    ASSERT_TRUE(atlas.ok()) << atlas.error().message;
+    const auto maps = atlas->maps();
+    ASSERT_EQ(maps->size(), 2U);
+    const Vector3d where = (*maps)[0].T_world_map.t;
+    if (committed > 0) {
+      EXPECT_GE(where.x(), committed);
+    }
+    const bool was_merged = where == Vector3d::Constant(std::floor(where.x()));
+    if (!was_merged) continue;  // killed before the very first merge
+    EXPECT_EQ((*maps)[1].T_world_map.t, where);
+    EXPECT_EQ((*maps)[1].world, static_cast<int>(where.x()));
+    const auto keyframes = atlas->keyframes();
+    for (const KeyframeRow& row : *keyframes) EXPECT_EQ(row.T_map_imu_optimised.t, where);
+    EXPECT_EQ(atlas->edges()->size(), 2 * atlas->merges()->size());
+    EXPECT_TRUE(atlas->check()->problems.empty());
+  }
+  EXPECT_GT(most, 2);
+}
+
+}  // namespace
+}  // namespace mmlins::atlas
