@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: MIT
+#include "mmlins/mapping/mapper.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "mmlins/base/log.hpp"
+#include "mmlins/base/stopwatch.hpp"
+#include "mmlins/registration/edge_information.hpp"
+#include "mmlins/registration/fit_height.hpp"
+
+namespace mmlins::mapping {
+namespace {
+
+using math::SE3;
+
+/// A young map looks for known places before its first submap is complete, after so many metres.
+constexpr std::array<double, 3> kProbeAfter{3.0, 6.0, 10.0};
+/// Height by which the view from above may be wrong [m].
+constexpr double kHeightRange = 2.5;
+
+/// The same information about keyframes instead of their submaps.
+math::Matrix6d of_keyframes(const math::Matrix6d& information, const SubmapRecord& source) {
+  math::Matrix6d turn = math::Matrix6d::Zero();
+  turn.topLeftCorner<3, 3>() = source.T_keyframe_submap.R;
+  turn.bottomRightCorner<3, 3>() = source.T_keyframe_submap.R;
+  return turn * information * turn.transpose();
+}
+
+}  // namespace
+
+Mapper::Mapper(const MappingConfig& config, keyframe::KeyframeStore& store)
+    : config_(config),
+      graph_(config.link, config.optimizer),
+      library_(config.submap, config.verification.registration, store),
+      finder_(config, graph_, library_),
+      cutter_(config.submap) {}
+
+void Mapper::begin_map(const MapBegin& begin) {
+  graph_.begin_map(begin);
+  latest_map_ = begin.map_id;
+  num_probes_ = 0;
+  map_begins_at_ = graph_.num_keyframes() > 0 ? graph_.odometer(graph_.num_keyframes() - 1) : 0.0;
+}
+
+void Mapper::add(const keyframe::KeyframePointer& keyframe, const math::Matrix6d& pose_covariance) {
+  now_ = keyframe->time;
+  graph_.add(*keyframe, pose_covariance);
+  if (const auto complete = cutter_.add(keyframe)) {
+    look_around(*complete, true);
+  } else if (probe_is_due()) {
+    ++num_probes_;
+    look_around(cutter_.pending(), false);
+  }
+}
+
+void Mapper::end_map() {
+  if (const auto rest = cutter_.finish()) look_around(*rest, true);
+}
+
+bool Mapper::is_alone(int map) const { return map > 0 && graph_.world_of(map) == map; }
+
+bool Mapper::probe_is_due() const {
+  if (!is_alone(latest_map_) || num_probes_ >= kProbeAfter.size()) return false;
+  return graph_.odometer(graph_.num_keyframes() - 1) - map_begins_at_ >= kProbeAfter[num_probes_];
+}
+
+void Mapper::look_around(const keyframe::Keyframes& keyframes, bool is_complete) {
+  Stopwatch stopwatch;
+  View view;
+  view.loaded = library_.build(keyframes);
+  view.record = SubmapLibrary::record_of(view.loaded->submap, keyframes);
+  times_.submaps += stopwatch.lap_ms();
+  place::PlaceDescriptor descriptor = finder_.describe(view.loaded->submap);
+  find_known_places(view, descriptor);
+  const bool is_new = library_.records().empty() || library_.records().back().id < view.record.id;
+  if (!is_complete || !is_new) return;
+  library_.add(view.record, view.loaded);
+  finder_.add(view.record, std::move(descriptor));
+}
+
+void Mapper::find_known_places(const View& view, const place::PlaceDescriptor& descriptor) {
+  bool other_worlds = false;
+  for (const SubmapRecord& record : library_.records()) {
+    other_worlds = other_worlds || graph_.world_of(record.map_id) != graph_.world_of(view.record.map_id);
+  }
+  const bool is_quiet = graph_.odometer(view.record.id) < quiet_until_;
+  if (is_quiet && !other_worlds) return;
+  std::vector<std::size_t> examined;
+  const auto consider = [&](const std::vector<PlaceCandidate>& candidates) {
+    for (const PlaceCandidate& candidate : candidates) {
+      if (std::find(examined.begin(), examined.end(), candidate.index) != examined.end()) continue;
+      const int target_world = graph_.world_of(library_.records()[candidate.index].map_id);
+      const int world = graph_.world_of(view.record.map_id);
+      if (is_quiet && target_world == world) continue;
+      examined.push_back(candidate.index);
+      Closure* closure = examine(view, candidate);
+      if (!closure || closure->state != ClosureState::kWaiting) continue;
+      if (target_world == world) {
+        use(*closure);
+        return true;
+      }
+      try_to_merge(world, target_world);
+    }
+    return false;
+  };
+  if (consider(finder_.predicted(view.record, view.loaded->submap)) && !other_worlds) return;
+  consider(finder_.recognised(view.record, descriptor));
+}
+
+Closure* Mapper::examine(const View& view, const PlaceCandidate& candidate) {
+  const SubmapRecord target = library_.records()[candidate.index];
+  const auto loaded = library_.load(candidate.index);
+  if (!loaded) {
+    log::warning("{}", loaded.error().message);
+    return nullptr;
+  }
+  Stopwatch stopwatch;
+  std::vector<SE3> starts = candidate.starts;
+  if (candidate.origin == ClosureOrigin::kRecognised) {
+    for (SE3& start : starts) start = registration::fit_height(view.loaded->submap, (*loaded)->submap, start, kHeightRange);
+  }
+  const registration::Verification verdict = registration::verify(view.loaded->prepared, (*loaded)->prepared, starts,
+                                                                  candidate.prior, config_.verification);
+  times_.verify += stopwatch.lap_ms();
+  Closure closure;
+  closure.id = static_cast<int>(closures_.size());
+  closure.source = view.record.id;
+  closure.target = target.id;
+  closure.source_map = view.record.map_id;
+  closure.target_map = target.map_id;
+  closure.time = now_;
+  closure.origin = candidate.origin;
+  closure.state = verdict.accepted ? ClosureState::kWaiting : ClosureState::kRefused;
+  closure.score = candidate.score;
+  const registration::Registration& fit = verdict.registration;
+  closure.T_target_source =
+      target.T_keyframe_submap * fit.T_target_source * view.record.T_keyframe_submap.inverse();
+  closure.information = of_keyframes(fit.information, view.record);
+  closure.overlap = fit.overlap;
+  closure.residual_rms = fit.residual_rms;
+  closure.reason = verdict.reason;
+  closure.moved = -1.0;
+  if (candidate.prior) {
+    const math::Vector6d apart = registration::observed_part(
+        math::se3_log(candidate.prior->T_target_source.inverse() * fit.T_target_source), fit.information, fit.observability);
+    closure.moved = apart.tail<3>().norm();
+    closure.turned = apart.head<3>().norm();
+  }
+  closures_.push_back(std::move(closure));
+  return &closures_.back();
+}
+
+MapperTimes Mapper::times() const {
+  MapperTimes times = times_;
+  times.describe = finder_.times().describe_ms;
+  times.recognise = finder_.times().query_ms;
+  times.search = finder_.times().search_ms;
+  return times;
+}
+
+}  // namespace mmlins::mapping

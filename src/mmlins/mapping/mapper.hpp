@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+// The back end: keyframes go in, in order; places are recognised, loops closed and maps joined; where every keyframe
+// lies in the world comes out. It owns no thread and never talks back to the odometry.
+
+#include <vector>
+
+#include "mmlins/keyframe/submap_cutter.hpp"
+#include "mmlins/mapping/closure.hpp"
+#include "mmlins/mapping/consistency.hpp"
+#include "mmlins/mapping/map_graph.hpp"
+#include "mmlins/mapping/place_finder.hpp"
+#include "mmlins/mapping/submap_library.hpp"
+
+namespace mmlins::mapping {
+
+/// Milliseconds spent so far.
+struct MapperTimes {
+  double submaps = 0.0;
+  double describe = 0.0;
+  double recognise = 0.0;
+  double search = 0.0;
+  double verify = 0.0;
+  double optimize = 0.0;
+
+  [[nodiscard]] double total() const { return submaps + describe + recognise + search + verify + optimize; }
+};
+
+class Mapper {
+ public:
+  /// @param store  where the keyframes are, each before it is added here
+  Mapper(const MappingConfig& config, keyframe::KeyframeStore& store);
+
+  /// @pre maps come in the order of their ids, which begin at 0
+  void begin_map(const MapBegin& begin);
+  /// @param pose_covariance  of the pose against its map, in T Exp(e)
+  /// @pre keyframes come in the order of their ids, which begin at 0, and belong to the latest map
+  void add(const keyframe::KeyframePointer& keyframe, const math::Matrix6d& pose_covariance);
+  /// The latest map falls asleep, or the recording ends: nothing more of it will come.
+  void end_map();
+
+  [[nodiscard]] const MapGraph& map_graph() const { return graph_; }
+  [[nodiscard]] const std::vector<SubmapRecord>& submaps() const { return library_.records(); }
+  [[nodiscard]] const std::vector<Closure>& closures() const { return closures_; }
+  [[nodiscard]] const std::vector<Merge>& merges() const { return merges_; }
+  /// Rises whenever keyframes have been moved.
+  [[nodiscard]] int revision() const { return revision_; }
+  [[nodiscard]] MapperTimes times() const;
+
+ private:
+  /// A submap that looks for known places.
+  struct View {
+    SubmapRecord record;
+    LoadedSubmapPointer loaded;
+  };
+  void look_around(const keyframe::Keyframes& keyframes, bool is_complete);
+  [[nodiscard]] bool probe_is_due() const;
+  [[nodiscard]] bool is_alone(int map) const;
+  void find_known_places(const View& view, const place::PlaceDescriptor& descriptor);
+  /// Verifies a candidate and files the verdict.
+  /// @return its closure; none if the points of the target cannot be read
+  Closure* examine(const View& view, const PlaceCandidate& candidate);
+  /// Uses a verified closure within a world.
+  void use(Closure& closure);
+  /// @return false if the graph is better without what was added since `before`; then it is as it was
+  bool solve(MapGraph before);
+  void try_to_merge(int world_a, int world_b);
+  [[nodiscard]] Placement placement_of(const Closure& closure, int world) const;
+  [[nodiscard]] bool commit(Merge merge);
+  void enhance(Merge& merge, const std::vector<int>& maps_before);
+
+  MappingConfig config_;
+  MapGraph graph_;
+  SubmapLibrary library_;
+  PlaceFinder finder_;
+  keyframe::SubmapCutter cutter_;
+  std::vector<Closure> closures_;
+  std::vector<Merge> merges_;
+  MapperTimes times_;
+  Time now_;
+  int revision_ = 0;
+  int latest_map_ = -1;
+  std::size_t num_probes_ = 0;  ///< of the latest map
+  double map_begins_at_ = 0.0;  ///< odometer [m]
+  double quiet_until_ = 0.0;    ///< odometer at which loops are sought again [m]
+};
+
+}  // namespace mmlins::mapping

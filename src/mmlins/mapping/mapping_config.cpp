@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+#include "mmlins/mapping/mapping_config.hpp"
+
+namespace mmlins::mapping {
+
+Fields LinkConfig::fields() {
+  return {
+      field("position", position, "m", {1e-5, 1.0}, "standard deviation of each link between keyframes"),
+      field("position_per_m", position_per_m, "", {0.0, 1.0}, "and of each metre of it"),
+      field("rotation_deg", rotation_deg, "deg", {1e-5, 10.0}, "standard deviation of each link"),
+      field("rotation_deg_per_m", rotation_deg_per_m, "deg/m", {0.0, 10.0}, "and of each metre of it"),
+      field("weak_length", weak_length, "m", {0.1, 1000.0}, "way over which the filter's own deviation is lost once"),
+      field("gap_factor", gap_factor, "", {1.0, 100.0}, "by which the deviation of a gap is multiplied"),
+      field("gravity_deg", gravity_deg, "deg", {0.01, 90.0}, "standard deviation of the direction of gravity at a keyframe"),
+      field("gravity_every", gravity_every, "", {1.0, 10000.0}, "keyframes, one with gravity"),
+  };
+}
+
+Fields LoopConfig::fields() {
+  return {
+      field("min_travel", min_travel, "m", {1.0, 10000.0}, "way after which a place of the same map may be met again"),
+      field("near", near, "m", {0.0, 100.0}, "between submaps that can overlap well"),
+      field("search", search, "m", {0.0, 100.0}, "radius of the search around a predicted place, at most"),
+      field("direct", direct, "m", {0.0, 10.0}, "standard deviation of a prediction that needs no search"),
+      field("direct_deg", direct_deg, "deg", {0.0, 45.0}, "the same of its heading"),
+      field("num_predicted", num_predicted, "", {0.0, 100.0}, "places that are tried because they should be near"),
+      field("num_recognised", num_recognised, "", {0.0, 100.0}, "places that are tried because they look alike"),
+      field("min_score", min_score, "", {0.0, 1.0}, "likeness below which they are not"),
+      field("pause", pause, "m", {0.0, 10000.0}, "way after a closure before the next is sought within a map"),
+      field("confirmed_within", confirmed_within, "m", {0.0, 10.0},
+            "a closure this near to what was known confirms it and changes nothing"),
+      field("confirmed_within_deg", confirmed_within_deg, "deg", {0.0, 45.0}, "the same of its rotation"),
+  };
+}
+
+Fields MergeConfig::fields() {
+  return {
+      field("num_agreeing", num_agreeing, "", {1.0, 30.0}, "closures between two maps that must agree"),
+      field("num_agreeing_with_prior", num_agreeing_with_prior, "", {1.0, 30.0},
+            "the same where the IMU carried the pose from one to the other"),
+      field("min_span", min_span, "m", {0.0, 1000.0}, "way over which they must be spread"),
+      field("min_span_with_prior", min_span_with_prior, "m", {0.0, 1000.0},
+            "the same where the IMU carried the pose from one to the other"),
+      field("agree_within", agree_within, "m", {0.0, 10.0}, "difference that two closures may have"),
+      field("agree_within_per_m", agree_within_per_m, "", {0.0, 1.0}, "and for each metre of way between them"),
+      field("agree_within_deg", agree_within_deg, "deg", {0.0, 45.0}, "difference of their headings"),
+      field("agree_within_deg_per_m", agree_within_deg_per_m, "deg/m", {0.0, 10.0}, "and for each metre of way"),
+      field("num_enhancing", num_enhancing, "", {0.0, 1000.0}, "closures that are added once two maps are joined, at most"),
+  };
+}
+
+Fields MappingConfig::fields() {
+  return {
+      field("enabled", enabled, "recognise places, close loops and join maps; otherwise odometry alone"),
+      group("keyframe", keyframe, "what the odometry hands on"),
+      group("submap", submap, "the unit in which places are recognised"),
+      group("place", place, "what a place looks like"),
+      group("verification", verification, "when it is the same place"),
+      group("search", search, "search around a predicted place"),
+      group("optimizer", optimizer, "optimisation of the pose graph"),
+      group("link", link, "what the odometry is believed between keyframes"),
+      group("loop", loop, "where known places are looked for"),
+      group("merge", merge, "what it takes to join two maps"),
+  };
+}
+
+}  // namespace mmlins::mapping
