@@ -14,6 +14,7 @@ void add_info(CLI::App& program, int& exit_code);
 void add_evaluate(CLI::App& program, int& exit_code);
 void add_simulate(CLI::App& program, int& exit_code);
 void add_degrade(CLI::App& program, int& exit_code);
+void add_maps(CLI::App& program, int& exit_code);
 void add_config(CLI::App& program, int& exit_code);
 
 /// Prints the one line of an error to standard error. @return the exit code for it
