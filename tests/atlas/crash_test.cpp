@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -17,12 +18,12 @@ namespace {
 
 constexpr int kNumKills = 20;
 
-/// What the child process tells: how many steps it has committed.
+/// What the child process tells: mostly how many steps it has committed.
 class Progress {
  public:
   Progress() { EXPECT_EQ(pipe(ends_), 0); }
   void tell(int steps) const { (void)!write(ends_[1], &steps, sizeof(steps)); }
-  /// The last that was told; ends when the child is gone.
+  /// The last that was told; waits until the child is gone.
   int last() {
     close(ends_[1]);
     int steps = 0;
@@ -35,7 +36,9 @@ class Progress {
   int ends_[2] = {};
 };
 
-/// Runs `work` in a process of its own and kills that after a while. @return how many steps it had committed
+constexpr int kNever = -1;
+
+/// Runs `work` in a process of its own and kills that after a while. @return what it told last
 int run_and_kill(const std::function<void(const Progress&)>& work, int microseconds) {
   Progress progress;
   const pid_t child = fork();
@@ -43,8 +46,10 @@ int run_and_kill(const std::function<void(const Progress&)>& work, int microseco
     work(progress);
     _exit(0);
   }
-  usleep(static_cast<useconds_t>(microseconds));
-  kill(child, SIGKILL);
+  if (microseconds != kNever) {
+    usleep(static_cast<useconds_t>(microseconds));
+    kill(child, SIGKILL);
+  }
   const int steps = progress.last();
   int status = 0;
   waitpid(child, &status, 0);
@@ -99,6 +104,41 @@ TEST(Crash, LeavesAllKeyframesThatWereCommitted) {
     EXPECT_EQ(atlas->load_keyframe(next)->points_imu, example_keyframe(next, 1).points_imu);
   }
   EXPECT_GT(most, 10);  // else nothing was tested
+}
+
+/// Goes on after errors, as a run would. Files cannot grow beyond some size, as on a full disk.
+void write_to_a_full_disk(const std::string& folder, const Progress& progress, rlim_t max_bytes) {
+  auto atlas = Atlas::create(folder, {.batch_keyframes = 5});
+  require(atlas.ok() && atlas->add_map(example_map(1)).ok());
+  signal(SIGXFSZ, SIG_IGN);
+  const rlimit limit{max_bytes, max_bytes};
+  require(setrlimit(RLIMIT_FSIZE, &limit) == 0);
+  int num_errors = 0;
+  for (int id = 0; id < 400; ++id) {
+    const Status added = atlas->add_keyframe(example_keyframe(id, 1));
+    if (added.ok()) continue;
+    ++num_errors;
+    require(added.error().message.find('\n') == std::string::npos);
+  }
+  (void)atlas->commit().ok();
+  progress.tell(num_errors);
+  _exit(0);  // not even closed
+}
+
+TEST(Crash, OfAFullDiskLeavesWhatWasCommitted) {
+  // Limits that stop the points and the log of the index at various moments.
+  for (const rlim_t max_bytes : {rlim_t{150'000}, rlim_t{100'000}, rlim_t{60'000}}) {
+    const TemporaryFolder folder;
+    const std::string place = folder / "atlas";
+    const int num_errors = run_and_kill(
+        [&](const Progress& progress) { write_to_a_full_disk(place, progress, max_bytes); }, kNever);
+    EXPECT_GT(num_errors, 10) << max_bytes;
+    const auto atlas = Atlas::open(place, Access::kWrite);
+    ASSERT_TRUE(atlas.ok()) << atlas.error().message;
+    const auto report = atlas->check();
+    EXPECT_GE(report->num_keyframes, 5U) << max_bytes;
+    EXPECT_TRUE(report->problems.empty()) << report->problems.front();
+  }
 }
 
 constexpr int kMergeKeyframes = 100;

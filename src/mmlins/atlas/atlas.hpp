@@ -124,6 +124,7 @@ class Atlas {
   std::unique_ptr<FileHandle> lock_;  ///< held while writing
   std::unique_ptr<Database> database_;
   std::unique_ptr<ChunkWriter> writer_;
+  bool has_batch_ = false;
   int num_pending_ = 0;  ///< keyframes in the batch
 };
 

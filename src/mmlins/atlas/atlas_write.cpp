@@ -14,17 +14,27 @@ namespace mmlins::atlas {
 
 Status Atlas::begin_batch() {
   if (!lock_) return make_error(ErrorCode::kInvalid, "{}: was opened for reading only", folder_);
-  if (database_->is_in_transaction()) return {};
-  return database_->execute("BEGIN IMMEDIATE");
+  if (has_batch_ && database_->is_in_transaction()) return {};
+  if (has_batch_) return commit();  // which tells that the batch is lost
+  if (const Status status = database_->execute("BEGIN IMMEDIATE"); !status) return status;
+  has_batch_ = true;
+  num_pending_ = 0;
+  return {};
 }
 
 Status Atlas::commit() {
-  if (!database_->is_in_transaction()) return {};
+  if (!has_batch_) return {};
+  if (!database_->is_in_transaction()) {  // SQLite undoes all of it if a write fails
+    has_batch_ = false;
+    return make_error(ErrorCode::kIo,
+                      "{}: what was added since the last commit is lost, as it could not be written",
+                      folder_);
+  }
   if (writer_) {
     if (const Status status = writer_->sync(); !status) return status;
   }
   if (const Status status = database_->execute("COMMIT"); !status) return status;
-  num_pending_ = 0;
+  has_batch_ = false;
   return {};
 }
 
