@@ -34,7 +34,7 @@ void initialize_cold(benchmark::State& state) {
   const Window window = window_of(static_cast<int>(state.range(0)));
   const InitializationConfig config;
   for (auto _ : state) {
-    benchmark::DoNotOptimize(initialize(window, cold_prior(window.poses.front().time, config.prior), config));
+    benchmark::DoNotOptimize(initialize(window, cold_prior(window.poses.front().time, {}), config));
   }
 }
 BENCHMARK(initialize_cold)->Arg(4)->Arg(10)->Arg(20)->Arg(30)->Unit(benchmark::kMillisecond);

@@ -43,7 +43,7 @@ TEST(StartPrior, LevelsATiltedImuWithHeadingZero) {
   const Matrix3d R = (Eigen::AngleAxisd(0.3, Vector3d::UnitY()) * Eigen::AngleAxisd(-0.5, Vector3d::UnitX()))
                          .toRotationMatrix();
   for (const bool rest : {true, false}) {
-    const NavState state = start_prior(at_rest(R, Vector3d::Zero()), StartConfig{}, rest).state;
+    const NavState state = start_prior(at_rest(R, Vector3d::Zero()), OdometryConfig{}, {}, rest).state;
     EXPECT_EQ(state.time, kStart);
     EXPECT_LT((state.R_odom_imu.transpose() * Vector3d::UnitZ() - R.transpose() * Vector3d::UnitZ()).norm(),
               kRounding);
@@ -55,26 +55,25 @@ TEST(StartPrior, LevelsATiltedImuWithHeadingZero) {
 
 TEST(StartPrior, AtRestTheMeanAngularRateIsTheBias) {
   const Vector3d bias(0.01, -0.02, 0.005);
-  const NavState state = start_prior(at_rest(Matrix3d::Identity(), bias), StartConfig{}, true).state;
+  const NavState state = start_prior(at_rest(Matrix3d::Identity(), bias), OdometryConfig{}, {}, true).state;
   EXPECT_LT((state.gyro_bias - bias).norm(), kRounding);
 }
 
 TEST(StartPrior, TiesGravityToTheAccelerometersBias) {
-  StartConfig config;
-  config.accel_bias = 0.1;
-  const imu::Estimate prior = start_prior(at_rest(Matrix3d::Identity(), Vector3d::Zero()), config, true);
+  const initialization::BiasDeviation biases{0.01, 0.1};
+  const imu::Estimate prior = start_prior(at_rest(Matrix3d::Identity(), Vector3d::Zero()), OdometryConfig{}, biases, true);
   EXPECT_GE(Eigen::SelfAdjointEigenSolver<imu::ErrorMatrix>(prior.P).eigenvalues()(0), -1e-15);
   // A bias of 0.1 m/s^2 may hide a tilt of 0.1 / 9.81 rad, and neither can be told from the other.
   const double tilt = std::sqrt(prior.P(imu::kGravityDirection, imu::kGravityDirection));
-  EXPECT_NEAR(tilt, config.accel_bias / imu::kGravity, 0.1 * config.accel_bias / imu::kGravity);
+  EXPECT_NEAR(tilt, biases.accel / imu::kGravity, 0.1 * biases.accel / imu::kGravity);
   const Eigen::Matrix<double, 3, 2> cross = prior.P.block<3, 2>(imu::kAccelBias, imu::kGravityDirection);
-  EXPECT_GT(cross.col(0).norm() / (tilt * config.accel_bias), 0.9);
+  EXPECT_GT(cross.col(0).norm() / (tilt * biases.accel), 0.9);
 }
 
 TEST(StartPrior, InMotionItIsWiderThanAtRest) {
   const auto samples = at_rest(Matrix3d::Identity(), Vector3d::Zero());
-  const auto rest = start_prior(samples, StartConfig{}, true).P;
-  const auto motion = start_prior(samples, StartConfig{}, false).P;
+  const auto rest = start_prior(samples, OdometryConfig{}, {}, true).P;
+  const auto motion = start_prior(samples, OdometryConfig{}, {}, false).P;
   for (const int i : {imu::kVelocity, imu::kGyroBias, imu::kGravityDirection})
     EXPECT_GT(motion(i, i), rest(i, i));
 }
@@ -82,11 +81,11 @@ TEST(StartPrior, InMotionItIsWiderThanAtRest) {
 TEST(ImuIsQuiet, AtRestButNotWhenTurningOrShaking) {
   const StartConfig config;
   const auto quiet = at_rest(Matrix3d::Identity(), Vector3d(0.001, 0.0, 0.0));
-  EXPECT_TRUE(imu_is_quiet(quiet, config));
-  EXPECT_FALSE(imu_is_quiet(in_motion(), config));
+  EXPECT_TRUE(imu_is_quiet(quiet, config, {}));
+  EXPECT_FALSE(imu_is_quiet(in_motion(), config, {}));
   EXPECT_FALSE(
-      imu_is_quiet(at_rest(Matrix3d::Identity(), Vector3d(0.5, 0.0, 0.0)), config));  // turns steadily
-  EXPECT_FALSE(imu_is_quiet({}, config));
+      imu_is_quiet(at_rest(Matrix3d::Identity(), Vector3d(0.5, 0.0, 0.0)), config, {}));  // turns steadily
+  EXPECT_FALSE(imu_is_quiet({}, config, {}));
 }
 
 TEST(InertialAlignment, RecoversVelocityAndGravityFromPositions) {

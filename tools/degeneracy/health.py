@@ -22,6 +22,7 @@ class Health(NamedTuple):
     map: int
     v_imu: Vector | None  # [m/s]; nothing where the program does not tell
     down_imu: Vector | None
+    tilt_std_deg: float | None  # of down_imu
 
 
 class Episode(NamedTuple):
@@ -41,7 +42,8 @@ def read_health(path: pathlib.Path) -> list[Health]:
 def health_of(row: dict) -> Health:
     v = tuple(float(row[key]) for key in ("v_x_m_s", "v_y_m_s", "v_z_m_s")) if "v_x_m_s" in row else None
     down = tuple(float(row[key]) for key in ("down_x", "down_y", "down_z")) if "down_x" in row else None
-    return Health(float(row["time"]), row["state"], row.get("cause", ""), int(row.get("map", 0)), v, down)
+    tilt = math.degrees(float(row["std_tilt_rad"])) if "std_tilt_rad" in row else None
+    return Health(float(row["time"]), row["state"], row.get("cause", ""), int(row.get("map", 0)), v, down, tilt)
 
 
 def episodes_of(rows: list[Health]) -> list[Episode]:
@@ -108,7 +110,7 @@ def errors_at(rows: list[Health], truth: list[Pose], time: float) -> dict | None
     if row is None or row.v_imu is None or row.down_imu is None:
         return None
     return {"state": row.state, "cause": row.cause, "map": row.map, "age_s": time - row.time,
-            "tilt_deg": angle_deg(true_down(truth, row.time), row.down_imu),
+            "tilt_deg": angle_deg(true_down(truth, row.time), row.down_imu), "tilt_std_deg": row.tilt_std_deg,
             "speed_m_s": math.dist(true_velocity(truth, row.time), row.v_imu)}
 
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "mmlins/imu/propagation.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
 
 #include "mmlins/base/check.hpp"
 
@@ -92,6 +94,17 @@ Propagation propagate(const Estimate& start, const sensor::ImuSamples& samples, 
     result.T_odom_imu.push_back({now.state.time, now.state.T_odom_imu()});
   }
   return result;
+}
+
+double tilt_deviation(const Estimate& estimate) {
+  const Matrix3d Rt = estimate.state.R_odom_imu.transpose();
+  const Vector3d down = (Rt * estimate.state.gravity_odom).normalized();
+  Eigen::Matrix<double, 3, kErrorSize> A = Eigen::Matrix<double, 3, kErrorSize>::Zero();
+  A.block<3, 3>(0, kRotation) = -Matrix3d::Identity();
+  A.block<3, 2>(0, kGravityDirection) = Rt * math::sphere_basis(estimate.state.gravity_odom);
+  A = ((Matrix3d::Identity() - down * down.transpose()) * A).eval();
+  const Matrix3d P = A * estimate.P * A.transpose();
+  return std::sqrt(std::max(0.0, Eigen::SelfAdjointEigenSolver<Matrix3d>(P, Eigen::EigenvaluesOnly).eigenvalues()(2)));
 }
 
 }  // namespace mmlins::imu

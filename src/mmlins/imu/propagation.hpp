@@ -23,6 +23,10 @@ struct Estimate {
   ErrorMatrix P = ErrorMatrix::Identity();  ///< covariance of the error of `state`
 };
 
+/// Largest standard deviation of the direction of gravity as the IMU sees it: that of attitude and of gravity in odom
+/// together. docs/math/initialization.md, Eq. (15) [rad].
+[[nodiscard]] double tilt_deviation(const Estimate& estimate);
+
 /// One integration step: mean rate and specific force over `dt` seconds.
 struct ImuStep {
   double dt = 0.0;

@@ -74,9 +74,11 @@ Acceptance judge_agreement(const SolutionFigures& f, const AcceptanceConfig& lim
 /// Whether what came out is known well enough.
 Acceptance judge_precision(const SolutionFigures& f, const AcceptanceConfig& limits) {
   const double tilt_deg = f.sigma_tilt * kDegrees;
-  if (!(tilt_deg <= limits.max_tilt_deg)) {
+  // What the accelerometer's unknown bias hides cannot be asked for, only admitted.
+  const double allowed_deg = std::hypot(limits.max_tilt_deg, f.inseparable_tilt * kDegrees);
+  if (!(tilt_deg <= allowed_deg)) {
     return refused(Verdict::kTilt, "direction of gravity known to {:.2f} deg, {:.2f} deg are needed",
-                   tilt_deg, limits.max_tilt_deg);
+                   tilt_deg, allowed_deg);
   }
   if (!(f.sigma_speed <= limits.max_speed_deviation)) {
     return refused(Verdict::kSpeed, "velocity known to {:.3f} m/s, {:.3f} m/s are needed", f.sigma_speed,
@@ -138,13 +140,6 @@ Initialization initialize(const Window& window, const StatePrior& prior, const I
   Initialization result{solve_map(window, prior, config.max_iterations), {}};
   result.acceptance = judge(result.solution, prior.knows_gravity(), config);
   return result;
-}
-
-std::size_t num_poses_to_drop(const PoseMeasurements& poses, bool carried, const WindowConfig& config) {
-  const Duration longest = from_seconds(carried ? config.carried_max : config.cold_max);
-  std::size_t drop = 0;
-  while (drop < poses.size() && poses.back().time - poses[drop].time > longest) ++drop;
-  return drop;
 }
 
 }  // namespace mmlins::initialization

@@ -49,9 +49,4 @@ struct Initialization {
 [[nodiscard]] Initialization initialize(const Window& window, const StatePrior& prior,
                                         const InitializationConfig& config);
 
-/// Drops the oldest poses until the window is no longer than it may be, for the next attempt after a refusal.
-/// @return how many were dropped: the prior must be moved to the pose that is the first now
-[[nodiscard]] std::size_t num_poses_to_drop(const PoseMeasurements& poses, bool carried,
-                                            const WindowConfig& config);
-
 }  // namespace mmlins::initialization

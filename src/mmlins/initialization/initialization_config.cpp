@@ -8,19 +8,14 @@ Fields WindowConfig::fields() {
       field("min_poses", min_poses, "", {3.0, 1000.0}, "with fewer poses no start is tried"),
       field("carried_min", carried_min, "s", {0.05, 60.0},
             "shortest window where the state was carried over by the IMU"),
-      field("carried_max", carried_max, "s", {0.05, 60.0},
-            "longest such window: then its oldest pose is dropped"),
       field("cold_min", cold_min, "s", {0.05, 60.0}, "shortest window where nothing is known beforehand"),
-      field("cold_max", cold_max, "s", {0.05, 60.0}, "longest such window"),
+      field("cold_max", cold_max, "s", {0.05, 60.0}, "longest such window: then its oldest scans are dropped"),
       field("paper_frames", paper_frames, "", {4.0, 1000.0}, "poses in the window of the paper's method"),
   };
 }
 
 Fields PriorConfig::fields() {
   return {
-      field("gyro_bias", gyro_bias, "rad/s", {1e-6, 1.0}, "standard deviation of an unknown gyro bias"),
-      field("accel_bias", accel_bias, "m/s^2", {1e-6, 5.0},
-            "standard deviation of an unknown accelerometer bias"),
       field("rest_speed", rest_speed, "m/s", {1e-6, 1.0},
             "at rest: standard deviation of the speed, which is nil"),
       field("rest_gyro", rest_gyro, "rad/s", {1e-6, 1.0},
@@ -59,7 +54,7 @@ Fields InitializationConfig::fields() {
           "mode", mode, {"default", "paper"},
           "default: weighted estimate with priors and tests; paper: four frames, unweighted, without tests"),
       group("window", window, "how much to look at"),
-      group("prior", prior, "what is known beforehand"),
+      group("prior", prior, "what is known at rest"),
       group("acceptance", acceptance, "when a start is good enough"),
       field("max_iterations", max_iterations, "", {1.0, 100.0}, "Gauss-Newton iterations"),
   };

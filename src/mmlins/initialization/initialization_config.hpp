@@ -12,18 +12,15 @@ enum class InitializationMode { kDefault, kPaper };
 struct WindowConfig {
   int min_poses = 4;
   double carried_min = 0.3;
-  double carried_max = 1.0;
   double cold_min = 1.0;
-  double cold_max = 3.0;
+  double cold_max = 4.0;
   int paper_frames = 4;
 
   [[nodiscard]] Fields fields();
 };
 
-/// Standard deviations of what is taken to be known before the window.
+/// Standard deviations of what is taken to be known at rest.
 struct PriorConfig {
-  double gyro_bias = 0.01;
-  double accel_bias = 0.05;
   double rest_speed = 0.02;
   double rest_gyro = 1e-3;
   double rest_accel = 0.02;

@@ -73,17 +73,6 @@ double largest_deviation(const Eigen::MatrixXd& P) {
   return std::sqrt(std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(P).eigenvalues().maxCoeff()));
 }
 
-/// Deviation of the direction of gravity in the IMU frame: attitude and gravity in odom together. Eq. (15).
-double tilt_deviation(const imu::Estimate& estimate) {
-  const Matrix3d Rt = estimate.state.R_odom_imu.transpose();
-  const Vector3d down = (Rt * estimate.state.gravity_odom).normalized();
-  Eigen::Matrix<double, 3, imu::kErrorSize> A = Eigen::Matrix<double, 3, imu::kErrorSize>::Zero();
-  A.block<3, 3>(0, imu::kRotation) = -Matrix3d::Identity();
-  A.block<3, 2>(0, imu::kGravityDirection) = Rt * math::sphere_basis(estimate.state.gravity_odom);
-  A = ((Matrix3d::Identity() - down * down.transpose()) * A).eval();
-  return largest_deviation(A * estimate.P * A.transpose());
-}
-
 /// Gravity without knowing how long it is, and without any prior but that of the biases. Eq. (13).
 Minimum solve_freely(const WindowProblem& problem, const StatePrior& prior, int max_iterations) {
   const PriorMatrix biases =
@@ -117,6 +106,13 @@ double unaided_speed_deviation(const WindowProblem& problem, const StatePrior& p
   return largest_deviation(solution.last_covariance.block<3, 3>(imu::kVelocity, imu::kVelocity));
 }
 
+/// Without turning, a bias across gravity looks like a tilt by bias / G.
+double inseparable_tilt(const StatePrior& prior) {
+  if (prior.knows_gravity()) return 0.0;
+  const double weakest = prior.information.diagonal().segment<3>(6).minCoeff();
+  return 1.0 / (std::sqrt(weakest) * imu::kGravity);
+}
+
 void note_figures(const WindowProblem& problem, const StatePrior& prior, const Minimum& best,
                   MapSolution& result) {
   SolutionFigures& figures = result.figures;
@@ -124,7 +120,8 @@ void note_figures(const WindowProblem& problem, const StatePrior& prior, const M
   figures.iterations += best.iterations;
   figures.degrees_of_freedom = problem.degrees_of_freedom(prior.information);
   figures.chi2_per_dof = figures.degrees_of_freedom > 0 ? best.cost / figures.degrees_of_freedom : 0.0;
-  figures.sigma_tilt = tilt_deviation(result.estimate);
+  figures.sigma_tilt = imu::tilt_deviation(result.estimate);
+  figures.inseparable_tilt = inseparable_tilt(prior);
   figures.sigma_speed = largest_deviation(result.estimate.P.block<3, 3>(imu::kVelocity, imu::kVelocity));
   figures.sigma_speed_unaided = unaided_speed_deviation(problem, prior, best.states);
   figures.gyro_bias_sigmas = bias_sigmas(prior, 3, last.gyro_bias - prior.state.gyro_bias);

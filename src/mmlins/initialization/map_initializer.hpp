@@ -17,6 +17,7 @@ struct SolutionFigures {
   double gravity_error = 0.0;        ///< of gravity estimated freely: | |g| - G | [m/s^2]
   double sigma_gravity = 0.0;        ///< deviation of that |g|; infinite if poses do not determine it [m/s^2]
   double sigma_tilt = 0.0;           ///< of the direction of gravity as the IMU sees it, largest [rad]
+  double inseparable_tilt = 0.0;     ///< what the prior's accelerometer bias hides, if it knows no gravity [rad]
   double sigma_speed = 0.0;          ///< of the velocity at the last pose, largest [m/s]
   double sigma_speed_unaided = 0.0;  ///< the same if the prior said nothing about velocity [m/s]
   double chi2_per_dof = 0.0;

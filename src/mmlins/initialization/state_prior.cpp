@@ -34,16 +34,16 @@ StatePrior carried_over_prior(const imu::Estimate& estimate, const math::SE3& fi
   return {placed.state, inverse_of(placed.P.bottomRightCorner<kPriorSize, kPriorSize>())};
 }
 
-StatePrior cold_prior(Time time, const PriorConfig& config) {
+StatePrior cold_prior(Time time, const BiasDeviation& biases) {
   StatePrior prior;
   prior.state.time = time;
-  prior.information.diagonal().segment<3>(kGyro).setConstant(1.0 / (config.gyro_bias * config.gyro_bias));
-  prior.information.diagonal().segment<3>(kAccel).setConstant(1.0 / (config.accel_bias * config.accel_bias));
+  prior.information.diagonal().segment<3>(kGyro).setConstant(1.0 / (biases.gyro * biases.gyro));
+  prior.information.diagonal().segment<3>(kAccel).setConstant(1.0 / (biases.accel * biases.accel));
   return prior;
 }
 
 StatePrior rest_prior(const PoseMeasurement& pose, const sensor::ImuSamples& samples,
-                      const PriorConfig& config) {
+                      const PriorConfig& config, const BiasDeviation& biases) {
   MMLINS_CHECK(!samples.empty());
   Vector3d rate = Vector3d::Zero();
   Vector3d force = Vector3d::Zero();
@@ -52,7 +52,7 @@ StatePrior rest_prior(const PoseMeasurement& pose, const sensor::ImuSamples& sam
     force += sample.accel / static_cast<double>(samples.size());
   }
   const Matrix3d& R = pose.T_odom_imu.R;
-  StatePrior prior = cold_prior(pose.time, config);
+  StatePrior prior = cold_prior(pose.time, biases);
   prior.state.gyro_bias = rate;
   if (force.norm() > 0.0) prior.state.gravity_odom = -imu::kGravity * (R * force).normalized();
   prior.information.diagonal().head<3>().setConstant(1.0 / (config.rest_speed * config.rest_speed));

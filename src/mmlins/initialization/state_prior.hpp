@@ -28,14 +28,20 @@ struct StatePrior {
 /// @param first     the first pose of the window, in the frame of the poses
 [[nodiscard]] StatePrior carried_over_prior(const imu::Estimate& estimate, const math::SE3& first);
 
-/// Cold start in motion: biases are nil to within their deviations, nothing else is known.
-[[nodiscard]] StatePrior cold_prior(Time time, const PriorConfig& config);
+/// Standard deviations of the biases of an IMU of which nothing is known yet but its make.
+struct BiasDeviation {
+  double gyro = 0.01;   ///< [rad/s]
+  double accel = 0.1;   ///< [m/s^2]
+};
+
+/// Cold start in motion: biases are nil to within their deviations, nothing else is known. Eq. (17).
+[[nodiscard]] StatePrior cold_prior(Time time, const BiasDeviation& biases);
 
 /// Stand-still: no velocity, the mean angular rate is the gyro's bias, the mean force is minus gravity plus
 /// the accelerometer's bias. Eq. (18).
 /// @param pose     the first pose of the window
 /// @param samples  of the time at rest, not empty
 [[nodiscard]] StatePrior rest_prior(const PoseMeasurement& pose, const sensor::ImuSamples& samples,
-                                    const PriorConfig& config);
+                                    const PriorConfig& config, const BiasDeviation& biases);
 
 }  // namespace mmlins::initialization

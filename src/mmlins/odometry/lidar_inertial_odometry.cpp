@@ -2,6 +2,7 @@
 #include "mmlins/odometry/lidar_inertial_odometry.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <numbers>
 #include <utility>
 
@@ -12,11 +13,18 @@ namespace {
 
 /// After so many fruitless trials what the IMU carried is taken to be wrong.
 constexpr int kMaxCarriedTrials = 2;
+/// From one scan to the next the median range of what is not covered keeps at least this share.
+constexpr double kGradual = 0.7;
+
+imu::GyroCalibrationConfig calibration_config(const ImuModelConfig& config, const sensor::Rig& rig) {
+  const imu::ImuNoise noise = imu_noise(config, rig);
+  return {config.gyro_scale_deviation, rig.gyro_turn_on_bias, noise.gyro_bias_walk, noise.gyro};
+}
 
 }  // namespace
 
 LidarInertialOdometry::LidarInertialOdometry(const OdometryConfig& config, const sensor::Rig& rig)
-    : config_(config), rig_(rig), reference_(config.detector) {}
+    : config_(config), rig_(rig), calibration_(calibration_config(config.imu, rig)), reference_(config.detector) {}
 
 LidarInertialOdometry::Output LidarInertialOdometry::add_scan(ScanPointer scan) {
   Output output;
@@ -42,9 +50,20 @@ LidarInertialOdometry::Output LidarInertialOdometry::add_scan(ScanPointer scan) 
 ScanResult LidarInertialOdometry::track(const ScanPointer& scan) {
   ScanResult result = config_.detector == DetectorKind::kDefault ? track_with_doubt(scan) : track_by_reference(scan);
   result.map_id = maps_.back().id;
+  learn_from(result);
   const Time trial_needs = restart_ ? restart_->needs_imu_since() : result.time;
-  imu_.forget_before(std::min(tracker_->needs_imu_since(), trial_needs));
+  const Time calibration_needs = calibration_.needs_imu_since().value_or(result.time);
+  imu_.forget_before(std::min({tracker_->needs_imu_since(), trial_needs, calibration_needs}));
   return result;
+}
+
+void LidarInertialOdometry::learn_from(const ScanResult& result) {
+  // Attitudes that lean on the gyroscope itself would only confirm what it says.
+  if (result.state != TrackingState::kTracking || result.cause != Cause::kNone) {
+    calibration_.interrupt();
+  } else {
+    calibration_.add(result.time, result.estimate.state.R_odom_imu, imu_);
+  }
 }
 
 ScanResult LidarInertialOdometry::track_with_doubt(const ScanPointer& scan) {
@@ -57,6 +76,7 @@ ScanResult LidarInertialOdometry::track_with_doubt(const ScanPointer& scan) {
   if (asleep_) log::info("back in map {}", maps_.back().id);
   asleep_ = false;
   was_collapsed_ = false;
+  last_range_ = result.median_range;
   imu_was_silent_ = false;
   num_failed_trials_ = 0;
   restart_.reset();
@@ -77,8 +97,11 @@ void LidarInertialOdometry::look_for_a_way_on(const ScanPointer& scan, const imu
   if (asleep_) result.state = TrackingState::kLost;
   const bool blind = result.num_keypoints < config_.matching.min_matches;
   const bool collapsed = blind || tracker_->is_collapsed(result);
-  // A scan in which a cover comes or goes shows both what is in front of it and what is behind.
-  const bool changes = std::exchange(was_collapsed_, collapsed) != collapsed;
+  // A scan in which a cover comes or goes shows both what is in front of it and what is behind. It comes from one scan
+  // to the next; who drives into a narrow place sees the walls draw near.
+  const double range_before = std::exchange(last_range_, result.median_range);
+  const bool abrupt = std::min(range_before, result.median_range) < kGradual * std::max(range_before, result.median_range);
+  const bool changes = std::exchange(was_collapsed_, collapsed) != collapsed && abrupt;
   if (blind) unexplained_since_.reset();
   if (blind || changes) {
     num_failed_trials_ = 0;
@@ -86,26 +109,28 @@ void LidarInertialOdometry::look_for_a_way_on(const ScanPointer& scan, const imu
     return;
   }
   if (!unexplained_since_) unexplained_since_ = result.time;
-  if (!asleep_ && result.time - *unexplained_since_ < from_seconds(config_.restart.unexplained)) return;
   try_new_map(scan, before, collapsed, result);
 }
 
 bool LidarInertialOdometry::try_new_map(const ScanPointer& scan, const imu::Estimate& before, bool collapsed,
                                         ScanResult& result) {
   if (!restart_) {
-    const bool distrusts_imu = imu_was_silent_ || num_failed_trials_ >= kMaxCarriedTrials;
+    const bool distrusts_imu = imu_was_silent_ || (asleep_ && num_failed_trials_ >= kMaxCarriedTrials);
     restart_ = std::make_unique<Restart>(config_, rig_, imu_was_silent_ ? tracker_->estimate() : before,
                                          tracker_->T_odom_map(),
                                          distrusts_imu ? Restart::Prior::kNone : Restart::Prior::kCarried);
   }
   const Restart::Progress progress = restart_->add(scan, imu_, collapsed);
   if (progress == Restart::Progress::kFailed) {
-    ++num_failed_trials_;
+    if (asleep_) ++num_failed_trials_;
     restart_.reset();
     return false;
   }
   if (asleep_ && !collapsed) result.state = TrackingState::kRelocating;
   if (progress == Restart::Progress::kOnTrial) return false;
+  const bool waits = !asleep_ && unexplained_since_ &&
+                     result.time - *unexplained_since_ < from_seconds(config_.restart.unexplained);
+  if (waits) return false;
   if (!asleep_) fall_asleep(result.cause);
   result.state = TrackingState::kRelocating;
   wake_in_new_map();
@@ -154,7 +179,6 @@ void LidarInertialOdometry::wake_in_new_map() {
                    maps_.back().T_first_map * tracker_->T_odom_map().inverse() * restart_->tracker().T_odom_map()});
   const math::SE3 T_odom_imu = tracker_->estimate().state.T_odom_imu();
   tracker_ = restart_->take();
-  tracker_->begin_to_doubt();
   tracker_->call_the_pose(with_heading_of(T_odom_imu, tracker_->estimate().state.T_odom_imu()));
   restart_.reset();
   unexplained_since_.reset();
@@ -169,22 +193,75 @@ std::vector<ScanResult> LidarInertialOdometry::finish() {
   OdometryConfig patient = config_;
   patient.start.rest_window = 0.0;
   patient.start.motion_window = 0.0;
-  return try_to_start(patient);
+  const std::unique_ptr<Start> start = find_start(patient, rig_, waiting_, imu_);
+  const bool accepted = start->acceptance.accepted();
+  if (!accepted) refuse_start(*start);
+  std::vector<ScanResult> results = begin_with(std::move(*start));
+  if (accepted) return results;
+  // Poses are given, but nothing is claimed of them.
+  maps_.back().why_ended = Cause::kNoStart;
+  for (ScanResult& result : results) {
+    result.state = TrackingState::kLost;
+    result.cause = Cause::kNoStart;
+  }
+  return results;
 }
 
 std::vector<ScanResult> LidarInertialOdometry::try_to_start(const OdometryConfig& config) {
-  const double window = to_seconds(waiting_.back()->end_time - waiting_.front()->start_time);
+  const Time now = waiting_.back()->end_time;
+  const double window = to_seconds(now - waiting_.front()->start_time);
   if (window < std::min(config.start.rest_window, config.start.motion_window)) return {};
+  if (next_attempt_ && now < *next_attempt_) return {};
   std::unique_ptr<Start> start = find_start(config, rig_, waiting_, imu_);
   if (!start) return {};
-  log::info("started {} after {:.1f} s", start->at_rest ? "at rest" : "in motion", window);
-  tracker_ = std::move(start->tracker);
+  if (start->acceptance.accepted()) return begin_with(std::move(*start));
+  refuse_start(*start);
+  next_attempt_ = now + from_seconds(config.start.retry);
+  // Scans that nothing was seen in are no use at the beginning of the next window.
+  std::size_t blind = 0;
+  while (blind < start->results.size() && !is_placed(start->results[blind].state)) ++blind;
+  const Time oldest = now - from_seconds(config.initialization.window.cold_max);
+  while (!waiting_.empty() && (blind > 0 || waiting_.front()->start_time < oldest)) {
+    blind -= std::min<std::size_t>(blind, 1);
+    dropped_.push_back(waiting_.front()->end_time);
+    waiting_.erase(waiting_.begin());
+  }
+  return {};
+}
+
+void LidarInertialOdometry::refuse_start(const Start& start) {
+  log::info("no start at {:.3f} s: {}", to_seconds(waiting_.back()->end_time.time_since_epoch()), start.acceptance.reason);
+}
+
+std::vector<ScanResult> LidarInertialOdometry::begin_with(Start start) {
+  if (start.acceptance.accepted()) {
+    const Time first = dropped_.empty() ? waiting_.front()->start_time : dropped_.front();
+    log::info("started {} after {:.1f} s: {}", start.at_rest ? "at rest" : "in motion",
+              to_seconds(waiting_.back()->end_time - first), start.acceptance.reason);
+  }
+  std::vector<ScanResult> results = results_before(start);
+  maps_.push_back({0, start.at_rest ? MapBeginning::kAtRest : MapBeginning::kInMotion, start.results.front().time,
+                   start.results.back().time, Cause::kNone, std::nullopt, {}});
+  std::move(start.results.begin(), start.results.end(), std::back_inserter(results));
+  tracker_ = std::move(start.tracker);
   tracker_->begin_to_doubt();
   waiting_.clear();
-  maps_.push_back({0, start->at_rest ? MapBeginning::kAtRest : MapBeginning::kInMotion, start->results.front().time,
-                   start->results.back().time, Cause::kNone, std::nullopt, {}});
+  dropped_.clear();
   imu_.forget_before(tracker_->needs_imu_since());
-  return std::move(start->results);
+  return results;
+}
+
+std::vector<ScanResult> LidarInertialOdometry::results_before(const Start& start) const {
+  std::vector<ScanResult> results;
+  for (const imu::Estimate& estimate : carried_back(start.prior, dropped_, imu_, imu_noise(config_.imu, rig_))) {
+    ScanResult result;
+    result.time = estimate.state.time;
+    result.estimate = estimate;
+    result.state = TrackingState::kLost;
+    result.cause = Cause::kNoStart;
+    results.push_back(std::move(result));
+  }
+  return results;
 }
 
 }  // namespace mmlins::odometry

@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "mmlins/imu/gyro_calibration.hpp"
 #include "mmlins/odometry/map_record.hpp"
 #include "mmlins/odometry/reference_detection.hpp"
 #include "mmlins/odometry/restart.hpp"
@@ -25,7 +26,7 @@ class LidarInertialOdometry {
  public:
   LidarInertialOdometry(const OdometryConfig& config, const sensor::Rig& rig);
 
-  [[nodiscard]] sensor::ImuAdmission add_imu(const sensor::ImuSample& sample) { return imu_.add(sample); }
+  [[nodiscard]] sensor::ImuAdmission add_imu(const sensor::ImuSample& sample) { return imu_.add(calibration_.apply(sample)); }
 
   struct Output {
     ScanAdmission admission = ScanAdmission::kAccepted;
@@ -44,22 +45,32 @@ class LidarInertialOdometry {
   [[nodiscard]] ScanResult track(const ScanPointer& scan);
   [[nodiscard]] ScanResult track_with_doubt(const ScanPointer& scan);
   [[nodiscard]] ScanResult track_by_reference(const ScanPointer& scan);
-  /// Gives the new map on trial one more scan; true if it has taken over.
+  /// Gives the new map on trial one more scan; true if it has taken over. It takes over from a map that is awake only
+  /// once that has explained nothing for a while.
   bool try_new_map(const ScanPointer& scan, const imu::Estimate& before, bool collapsed, ScanResult& result);
   /// What to do with a scan that the active map does not explain; changes the result's state.
   void look_for_a_way_on(const ScanPointer& scan, const imu::Estimate& before, ScanResult& result);
   void fall_asleep(Cause cause);
   void wake_in_new_map();
+  void learn_from(const ScanResult& result);
   [[nodiscard]] std::vector<ScanResult> try_to_start(const OdometryConfig& config);
+  void refuse_start(const Start& start);
+  [[nodiscard]] std::vector<ScanResult> begin_with(Start start);
+  /// Results of the scans that fell out of the window before the start was found.
+  [[nodiscard]] std::vector<ScanResult> results_before(const Start& start) const;
 
   OdometryConfig config_;
   sensor::Rig rig_;
-  sensor::ImuBuffer imu_;
+  imu::GyroCalibration calibration_;
+  sensor::ImuBuffer imu_;                 ///< with what the calibration knows taken out
   std::vector<ScanPointer> waiting_;
+  std::vector<Time> dropped_;             ///< ends of the scans that waited for a start too long ago
+  std::optional<Time> next_attempt_;      ///< to start, after one that was refused
   std::unique_ptr<ScanTracker> tracker_;  ///< of the active map; while that sleeps, the IMU's, ready to return
   std::unique_ptr<Restart> restart_;      ///< a new map on trial, if there is one
   std::optional<Time> unexplained_since_;
   bool was_collapsed_ = false;            ///< the scan before was as small as under a cover
+  double last_range_ = 0.0;               ///< median of the scan before [m]
   bool asleep_ = false;
   bool imu_was_silent_ = false;           ///< since the last scan that was believed, for longer than can be bridged
   int num_failed_trials_ = 0;

@@ -9,6 +9,8 @@ Fields ImuModelConfig::fields() {
             "the rig's gyro noise times this: room for vibration, scale errors and interpolation"),
       field("accel_noise_factor", accel_noise_factor, "", {0.1, 100.0}, "the same for the accelerometer"),
       field("bias_walk_factor", bias_walk_factor, "", {0.1, 100.0}, "the same for the walk of both biases"),
+      field("gyro_scale_deviation", gyro_scale_deviation, "", {0.0, 0.2},
+            "deviation of the gyroscope's scale and misalignment, which are learnt on the way; 0: it has no such errors"),
       field("max_gap", max_gap, "s", {0.001, 10.0}, "a longer step between IMU samples is a gap, and reported as one"),
   };
 }
@@ -59,9 +61,10 @@ Fields StartConfig::fields() {
       field("motion_accel", motion_accel, "m/s^2", {0.01, 20.0},
             "standard deviation of the mean acceleration over the window, when started in motion"),
       field("motion_speed", motion_speed, "m/s", {0.1, 100.0}, "standard deviation of the unknown speed at the start"),
-      field("gyro_bias", gyro_bias, "rad/s", {1e-6, 1.0}, "standard deviation of the unknown gyro bias"),
-      field("accel_bias", accel_bias, "m/s^2", {1e-6, 5.0}, "standard deviation of the unknown accelerometer bias"),
-      field("max_passes", max_passes, "", {1.0, 20.0}, "times to go over the window until the speed at its start has settled"),
+      field("settled_speed", settled_speed, "m/s", {0.001, 1.0},
+            "the speed at the start has settled when a pass over the window changes it by less"),
+      field("max_passes", max_passes, "", {1.0, 50.0}, "passes over the window; a speed that has not settled then is no start"),
+      field("retry", retry, "s", {0.1, 60.0}, "after a start was refused, the next is tried with this much more to look at"),
   };
 }
 
@@ -71,7 +74,8 @@ Fields RestartConfig::fields() {
             "without a match the map falls asleep when the pose may have drifted by this standard deviation"),
       field("max_drift_deg", max_drift_deg, "deg", {0.0, 180.0}, "the same for rotation"),
       field("unexplained", unexplained, "s", {0.0, 60.0},
-            "a new map is tried after this much of seeing what the old one does not explain, even within the budget"),
+            "a new map that has proved itself takes over after this much of seeing what the old one does not explain, even "
+            "within the budget"),
       field("trial", trial, "s", {0.2, 60.0}, "a new map must prove itself for this long"),
       field("patience", patience, "s", {0.2, 600.0}, "after this much of not proving itself the trial begins anew"),
       field("pose_deviation", pose_deviation, "m", {0.0, 1.0},

@@ -18,6 +18,7 @@ struct ImuModelConfig {
   double gyro_noise_factor = 1.5;
   double accel_noise_factor = 10.0;
   double bias_walk_factor = 1.0;
+  double gyro_scale_deviation = 0.01;
   double max_gap = 0.1;
 
   [[nodiscard]] Fields fields();
@@ -62,9 +63,9 @@ struct StartConfig {
   double rest_speed = 0.1;
   double motion_accel = 1.5;
   double motion_speed = 15.0;
-  double gyro_bias = 0.01;
-  double accel_bias = 0.05;
-  int max_passes = 4;
+  double settled_speed = 0.03;
+  int max_passes = 12;
+  double retry = 0.5;
 
   [[nodiscard]] Fields fields();
 };
@@ -73,8 +74,8 @@ struct StartConfig {
 struct RestartConfig {
   double max_drift = 1.0;
   double max_drift_deg = 5.0;
-  double unexplained = 1.0;
-  double trial = 0.7;
+  double unexplained = 0.7;
+  double trial = 0.6;
   double patience = 3.0;
   double pose_deviation = 0.005;
   double pose_deviation_deg = 0.03;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "mmlins/odometry/restart.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +9,7 @@
 
 #include "mmlins/imu/frame_change.hpp"
 #include "mmlins/initialization/paper_initializer.hpp"
+#include "mmlins/odometry/pose_measurement.hpp"
 
 namespace mmlins::odometry {
 namespace {
@@ -18,19 +18,6 @@ constexpr int kMaxPasses = 6;
 // Between passes; straightening a scan of 0.1 s then changes by 3 mm [m/s].
 constexpr double kSettledSpeed = 0.03;
 constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
-
-/// The pose that the scan alone prefers, doubted by what a young map may be off as well.
-initialization::PoseMeasurement measured_pose(const ScanResult& result, const RestartConfig& config) {
-  auto pose = initialization::pose_from_matching(result.time, result.pull.T_odom_imu, result.pull.H, result.pull.b);
-  const double rotation = config.pose_deviation_deg * kRadiansPerDegree;
-  math::Matrix6d doubt = math::Matrix6d::Identity();
-  doubt.diagonal().head<3>().setConstant(rotation * rotation);
-  doubt.diagonal().tail<3>().setConstant(config.pose_deviation * config.pose_deviation);
-  const math::Matrix6d shrink = (math::Matrix6d::Identity() + doubt * pose.information).inverse();
-  pose.information = pose.information * shrink;
-  pose.information = 0.5 * (pose.information + pose.information.transpose()).eval();
-  return pose;
-}
 
 }  // namespace
 
@@ -51,7 +38,22 @@ Restart::Restart(const OdometryConfig& config, const sensor::Rig& rig, const imu
       tracker_(std::make_unique<ScanTracker>(config, rig, imu::with_pose_taken_for_granted(carried), T_odom_map)) {}
 
 Restart::Progress Restart::add(const Scan& scan, const sensor::ImuBuffer& imu, bool is_collapsed) {
-  if (prior_ == Prior::kNone) return add_without_prior(scan, imu, is_collapsed);
+  if (proven_) return follow(scan, imu);
+  const Progress progress = prior_ == Prior::kNone ? add_without_prior(scan, imu, is_collapsed)
+                                                   : add_with_prior(scan, imu, is_collapsed);
+  proven_ = progress == Progress::kProven;
+  if (proven_) tracker_->begin_to_doubt();
+  return progress;
+}
+
+Restart::Progress Restart::follow(const Scan& scan, const sensor::ImuBuffer& imu) {
+  const ScanResult result = tracker_->track(scan, imu);
+  if (is_placed(result.state)) return Progress::kProven;
+  verdict_ = to_string(result.cause);
+  return Progress::kFailed;
+}
+
+Restart::Progress Restart::add_with_prior(const Scan& scan, const sensor::ImuBuffer& imu, bool is_collapsed) {
   const ScanResult result = tracker_->track(scan, imu);
   if (!is_placed(result.state)) {
     verdict_ = to_string(result.cause);
@@ -79,12 +81,17 @@ Restart::Progress Restart::add_without_prior(const Scan& scan, const sensor::Imu
   scans_.push_back(scan);
   const double elapsed = to_seconds(scans_.back()->end_time - scans_.front()->start_time);
   if (elapsed < std::min(config_.start.rest_window, config_.start.motion_window)) return Progress::kOnTrial;
+  if (next_attempt_ && scan->end_time < *next_attempt_) return Progress::kOnTrial;
   std::unique_ptr<Start> start = find_start(config_, rig_, scans_, imu);
   if (!start) return Progress::kOnTrial;
+  verdict_ = start->acceptance.reason;
+  next_attempt_ = scan->end_time + from_seconds(config_.start.retry);
+  if (!start->acceptance.accepted()) {
+    return elapsed < config_.initialization.window.cold_max ? Progress::kOnTrial : Progress::kFailed;
+  }
   for (const ScanResult& result : start->results) {
     if (result.state == TrackingState::kBridging) return Progress::kFailed;
   }
-  verdict_ = start->at_rest ? "at rest" : "in motion, nothing known beforehand";
   beginning_ = start->at_rest ? MapBeginning::kAtRest : MapBeginning::kInMotion;
   tracker_ = std::move(start->tracker);
   // The new frame is level like odom; heading and place are those that the IMU carried to its first pose.

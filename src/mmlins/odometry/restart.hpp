@@ -4,6 +4,7 @@
 // proved itself for a while. docs/math/degeneracy.md, section 4.
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,7 +28,11 @@ class Restart {
   Restart(const OdometryConfig& config, const sensor::Rig& rig, const imu::Estimate& carried, const math::SE3& T_odom_map,
           Prior prior);
 
-  enum class Progress { kOnTrial, kProven, kFailed };
+  enum class Progress {
+    kOnTrial,
+    kProven,  ///< and still following the scans, until it is taken or fails
+    kFailed,
+  };
   /// @param is_collapsed  whether the scan is as small as under a cover
   [[nodiscard]] Progress add(const std::shared_ptr<const sensor::LidarScan>& scan, const sensor::ImuBuffer& imu,
                              bool is_collapsed);
@@ -42,6 +47,8 @@ class Restart {
 
  private:
   using Scan = std::shared_ptr<const sensor::LidarScan>;
+  [[nodiscard]] Progress follow(const Scan& scan, const sensor::ImuBuffer& imu);
+  [[nodiscard]] Progress add_with_prior(const Scan& scan, const sensor::ImuBuffer& imu, bool is_collapsed);
   [[nodiscard]] Progress add_without_prior(const Scan& scan, const sensor::ImuBuffer& imu, bool is_collapsed);
   [[nodiscard]] initialization::Window window(const sensor::ImuBuffer& imu) const;
   /// Velocity, gravity and biases from the window; on success the tracker goes on with them.
@@ -63,6 +70,8 @@ class Restart {
   initialization::PoseMeasurements poses_;
   std::string verdict_;
   MapBeginning beginning_ = MapBeginning::kAfterGap;
+  bool proven_ = false;
+  std::optional<Time> next_attempt_;  ///< to start with nothing known beforehand
 };
 
 }  // namespace mmlins::odometry

@@ -28,6 +28,7 @@ std::string_view to_string(Cause cause) {
     case Cause::kWeakDirections: return "weak directions";
     case Cause::kImuDisagrees: return "IMU and LiDAR disagree";
     case Cause::kImuGap: return "IMU gap";
+    case Cause::kNoStart: return "no start";
   }
   return "";
 }

@@ -29,6 +29,7 @@ enum class Cause {
   kWeakDirections,  ///< the geometry does not determine all six directions; see observability
   kImuDisagrees,    ///< the scan matches, but moves otherwise than the IMU feels: what it shows moves along
   kImuGap,          ///< matched, but the IMU was silent for part of the way
+  kNoStart,         ///< velocity and gravity were not found well enough to begin a map with
 };
 
 /// Whether the scan was matched, so that its points may be drawn where the pose says.

@@ -46,7 +46,7 @@ std::string health_csv(const RunResult& result) {
   std::string text =
       "time,state,cause,map,points,keypoints,matches,iterations,residual_rms_m,explained,disagreement_m,disagreement_rad,"
       "std_x_m,std_y_m,std_z_m,std_roll_rad,std_pitch_rad,std_yaw_rad,"
-      "v_x_m_s,v_y_m_s,v_z_m_s,down_x,down_y,down_z";
+      "v_x_m_s,v_y_m_s,v_z_m_s,down_x,down_y,down_z,std_tilt_rad";
   for (const char* block : {"t", "r"}) {
     for (int i = 1; i <= 3; ++i) text += fmt::format(",{0}{1}_std,{0}{1}_noise_share,{0}{1}_x,{0}{1}_y,{0}{1}_z", block, i);
   }
@@ -60,6 +60,7 @@ std::string health_csv(const RunResult& result) {
     for (int i = 0; i < 3; ++i) text += fmt::format(",{:.6g}", r.rotation_std(i));
     for (int i = 0; i < 3; ++i) text += fmt::format(",{:.4f}", r.v_imu(i));
     for (int i = 0; i < 3; ++i) text += fmt::format(",{:.6f}", r.down_imu(i));
+    text += fmt::format(",{:.4g}", r.tilt_std);
     for (const auto* directions : {&r.observability.translation, &r.observability.rotation}) {
       for (const degeneracy::Direction& d : *directions) {
         text += fmt::format(",{:.4g},{:.3f},{:.3f},{:.3f},{:.3f}", d.std, d.noise_share, d.axis.x(), d.axis.y(), d.axis.z());

@@ -16,6 +16,7 @@ ScanRecord to_record(const odometry::ScanResult& result, double read_ms) {
   const imu::NavState& state = result.estimate.state;
   record.v_imu = state.R_odom_imu.transpose() * state.v_odom;
   record.down_imu = state.R_odom_imu.transpose() * state.gravity_odom.normalized();
+  record.tilt_std = imu::tilt_deviation(result.estimate);
   record.state = result.state;
   record.cause = result.cause;
   record.num_points = result.num_points;

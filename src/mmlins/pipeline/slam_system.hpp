@@ -23,6 +23,7 @@ struct ScanRecord {
   int map_id = 0;
   math::Vector3d v_imu = math::Vector3d::Zero();             ///< velocity along the axes of the IMU [m/s]
   math::Vector3d down_imu = -math::Vector3d::UnitZ();         ///< unit, where gravity points, along the axes of the IMU
+  double tilt_std = 0.0;                                      ///< of `down_imu`, largest [rad]
   odometry::TrackingState state = odometry::TrackingState::kInitializing;
   odometry::Cause cause = odometry::Cause::kNone;
   int num_points = 0;

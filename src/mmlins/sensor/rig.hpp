@@ -28,6 +28,8 @@ struct Rig {
   double accel_noise_density = 2.0e-3;
   double gyro_bias_walk = 2.0e-5;
   double accel_bias_walk = 2.0e-4;
+  double gyro_turn_on_bias = 0.01;
+  double accel_turn_on_bias = 0.1;
   std::string time_field;
   TimeUnit time_unit = TimeUnit::kAuto;
   TimeReference time_reference = TimeReference::kAuto;

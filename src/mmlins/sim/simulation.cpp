@@ -217,6 +217,9 @@ sensor::Rig Simulation::rig() const {
   rig.accel_noise_density = imu.accel_noise_density;
   rig.gyro_bias_walk = imu.gyro_bias_walk;
   rig.accel_bias_walk = imu.accel_bias_walk;
+  // A simulated IMU may have no bias at all; a rig always doubts it a little.
+  rig.gyro_turn_on_bias = std::max(1e-5, imu.gyro_turn_on_bias);
+  rig.accel_turn_on_bias = std::max(1e-3, imu.accel_turn_on_bias);
   rig.min_range = config_.sensor.nearest();
   rig.max_range = config_.sensor.farthest();
   rig.range_noise = std::max(1e-3, config_.sensor.range_noise);

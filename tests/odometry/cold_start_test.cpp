@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+// Starts with nothing known, in motion: found, or refused, but never guessed. The truth is the simulator's.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "mmlins/odometry/startup.hpp"
+#include "tests/odometry/simulated_drive.hpp"
+
+namespace mmlins::odometry {
+namespace {
+
+/// Between houses far apart at 40 km/h: the first passes find half of the speed.
+const std::vector<std::string> kFastCar = {
+    "world.scene=urban",   "world.seed=513",       "world.yaw_deg=-83.7", "sensor.model=os1_64",
+    "sensor.columns=360",  "trajectory.speed=11",  "imu.model=bmi088",    "trajectory.start_lap=0.7"};
+
+struct Window {
+  std::vector<ScanPointer> scans;
+  sensor::ImuBuffer imu;
+  sensor::Rig rig;
+  Time end;
+  double speed = 0.0;  ///< true, at the end [m/s]
+};
+
+Window first_seconds(double seconds) {
+  auto config = sim::load_scenario("dev_start_in_motion", kFastCar);
+  EXPECT_TRUE(config.ok()) << config.error().message;
+  sim::Simulation simulation(*config);
+  Window window;
+  window.rig = simulation.rig();
+  while (window.scans.empty() || to_seconds(window.scans.back()->end_time - simulation.start_time()) < seconds) {
+    auto item = simulation.next();
+    if (auto* scan = std::get_if<sensor::LidarScan>(&*item)) {
+      window.scans.push_back(std::make_shared<const sensor::LidarScan>(std::move(*scan)));
+    } else {
+      EXPECT_EQ(window.imu.add(std::get<sensor::ImuSample>(*item)), sensor::ImuAdmission::kAccepted);
+    }
+  }
+  window.end = window.scans.back()->end_time;
+  window.speed = simulation.velocity_world(window.end).norm();
+  return window;
+}
+
+TEST(ColdStart, ASpeedThatHasNotSettledIsRefused) {
+  const Window window = first_seconds(2.3);
+  OdometryConfig config;
+  config.start.max_passes = 3;
+  const auto hasty = find_start(config, window.rig, window.scans, window.imu);
+  ASSERT_TRUE(hasty);
+  // This is what would have been begun with.
+  ASSERT_GT(std::abs(hasty->tracker->estimate().state.v_odom.norm() - window.speed), 1.0);
+  EXPECT_FALSE(hasty->acceptance.accepted());
+  EXPECT_NE(hasty->acceptance.reason.find("settled"), std::string::npos) << hasty->acceptance.reason;
+}
+
+TEST(ColdStart, AFastCarIsFoundAndItsTiltIsAsDoubtfulAsItSays) {
+  const Window window = first_seconds(2.3);
+  const auto start = find_start(OdometryConfig{}, window.rig, window.scans, window.imu);
+  ASSERT_TRUE(start);
+  ASSERT_TRUE(start->acceptance.accepted()) << start->acceptance.reason;
+  EXPECT_FALSE(start->at_rest);
+  const imu::Estimate& found = start->tracker->estimate();
+  EXPECT_EQ(found.state.time, window.end);
+  EXPECT_NEAR(found.state.v_odom.norm(), window.speed, 0.1);
+  // Straight on, tilt and the accelerometer's bias look alike.
+  const double inseparable = window.rig.accel_turn_on_bias / imu::kGravity;
+  EXPECT_NEAR(imu::tilt_deviation(found), inseparable, 0.1 * inseparable);
+}
+
+TEST(ColdStart, ScansOfNothingBeforeItHaveAPoseAndNoClaim) {
+  const double dark = 3.0;
+  const Drive drive = SimulatedDrive("dev_start_in_motion", {"sensor.columns=180", "duration=9"},
+                                     {{degrade::EventKind::kBlackout, 0.0, dark}})
+                          .run();
+  ASSERT_EQ(static_cast<int>(drive.scans.size()), drive.num_scans_given);
+  ASSERT_EQ(drive.maps.size(), 1U);
+  for (const DrivenScan& scan : drive.scans) {
+    EXPECT_TRUE(scan.T_odom_imu.R.allFinite() && scan.T_odom_imu.t.allFinite()) << scan.seconds;
+    EXPECT_EQ(is_placed(scan.state), scan.seconds > dark + 0.01) << scan.seconds;
+    if (scan.seconds < dark - 0.01) {
+      EXPECT_EQ(scan.cause, Cause::kNoStart) << scan.seconds;
+    }
+  }
+  // At 7 m/s, carried back by the IMU from a velocity that was found to a few centimetres per second.
+  const math::SE3 way = drive.scans.front().T_odom_imu.inverse() * drive.scans.back().T_odom_imu;
+  const math::SE3 true_way = drive.scans.front().T_world_imu.inverse() * drive.scans.back().T_world_imu;
+  EXPECT_LT((way.t - true_way.t).norm(), 1.0);
+  EXPECT_GT(true_way.t.norm(), 30.0);
+}
+
+TEST(ColdStart, ARecordingTooShortToStartIsGivenPosesAndCalledLost) {
+  const Drive drive =
+      SimulatedDrive("dev_start_in_motion", {"sensor.columns=180", "duration=1"}, {}).run_to_the_end();
+  ASSERT_EQ(static_cast<int>(drive.scans.size()), drive.num_scans_given);
+  ASSERT_EQ(drive.maps.size(), 1U);
+  EXPECT_EQ(drive.maps[0].why_ended, Cause::kNoStart);
+  for (const DrivenScan& scan : drive.scans) {
+    EXPECT_EQ(scan.state, TrackingState::kLost);
+    EXPECT_EQ(scan.cause, Cause::kNoStart);
+  }
+}
+
+}  // namespace
+}  // namespace mmlins::odometry
