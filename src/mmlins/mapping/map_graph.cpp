@@ -63,7 +63,7 @@ void MapGraph::add(const keyframe::Keyframe& keyframe, const Matrix6d& pose_cova
   // Where the keyframe before has been moved within its map, this one goes along.
   if (!is_first) T_map_node = graph_.nodes.back().T_map_node * (T_map_last_.inverse() * keyframe.T_map_imu);
   graph_.nodes.push_back({keyframe.id, keyframe.map_id, T_map_node, false});
-  if (keyframe.id % link_.gravity_every == 0) graph_.gravity.push_back({keyframe.id, -keyframe.down_imu, kRad * link_.gravity_deg});
+  add_gravity(keyframe, is_first);
   double travel = 0.0;
   if (!is_first) {
     const SE3 T_last_this = T_map_last_.inverse() * keyframe.T_map_imu;
@@ -80,6 +80,13 @@ void MapGraph::add(const keyframe::Keyframe& keyframe, const Matrix6d& pose_cova
   }
   odometer_.push_back((odometer_.empty() ? 0.0 : odometer_.back()) + travel);
   T_map_last_ = keyframe.T_map_imu;
+}
+
+void MapGraph::add_gravity(const keyframe::Keyframe& keyframe, bool is_first) {
+  // What gravity is taken for changes slowly: many factors would be one error many times. The latest of a stretch knows best.
+  num_since_gravity_ = is_first ? 0 : (num_since_gravity_ + 1) % link_.gravity_every;
+  if (num_since_gravity_ != 0) graph_.gravity.pop_back();
+  graph_.gravity.push_back({keyframe.id, -keyframe.down_imu, kRad * link_.gravity_deg});
 }
 
 SE3 MapGraph::T_world_keyframe(int id) const {

@@ -73,10 +73,13 @@ class MapGraph {
   [[nodiscard]] const std::vector<double>& weights() const { return weights_; }
 
  private:
+  void add_gravity(const keyframe::Keyframe& keyframe, bool is_first);
+
   LinkConfig link_;
   graph::OptimizerConfig optimizer_;
   graph::PoseGraph graph_;
   std::vector<double> weights_;   ///< of the edges; 0: rejected
+  int num_since_gravity_ = 0;     ///< keyframes of the stretch that the latest gravity factor stands for
   std::vector<double> odometer_;
   std::vector<int> worlds_;       ///< of each map
   std::vector<int> islands_;      ///< of each map: the first one that it is connected to

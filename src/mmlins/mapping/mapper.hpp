@@ -60,6 +60,8 @@ class Mapper {
   /// Verifies a candidate and files the verdict.
   /// @return its closure; none if the points of the target cannot be read
   Closure* examine(const View& view, const PlaceCandidate& candidate);
+  /// Whether two maps that were joined hang together by few closures yet.
+  [[nodiscard]] bool needs_ties(int map_a, int map_b) const;
   /// Uses a verified closure within a world.
   void use(Closure& closure);
   /// @return false if the graph is better without what was added since `before`; then it is as it was

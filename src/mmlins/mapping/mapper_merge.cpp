@@ -20,10 +20,20 @@ constexpr double kMaxClosureChi2 = 22.5;
 
 }  // namespace
 
+bool Mapper::needs_ties(int map_a, int map_b) const {
+  if (map_a == map_b) return false;
+  const auto ties = std::count_if(closures_.begin(), closures_.end(), [&](const Closure& closure) {
+    return closure.state == ClosureState::kCounts &&
+           std::minmax(closure.source_map, closure.target_map) == std::minmax(map_a, map_b);
+  });
+  return ties < config_.merge.num_enhancing;
+}
+
 void Mapper::use(Closure& closure) {
-  quiet_until_ = graph_.odometer(closure.source) + config_.loop.pause;
+  const bool ties_maps = needs_ties(closure.source_map, closure.target_map);
+  if (!ties_maps) quiet_until_ = graph_.odometer(closure.source) + config_.loop.pause;
   const double turned_deg = closure.turned * 180.0 / std::numbers::pi;
-  if (closure.moved >= 0.0 && closure.moved <= config_.loop.confirmed_within &&
+  if (!ties_maps && closure.moved >= 0.0 && closure.moved <= config_.loop.confirmed_within &&
       turned_deg <= config_.loop.confirmed_within_deg) {
     closure.state = ClosureState::kConfirmed;
     return;
@@ -125,7 +135,6 @@ bool Mapper::commit(Merge merge) {
   merge.id = static_cast<int>(merges_.size());
   merge.time = now_;
   merge.num_keyframes = graph_.num_keyframes();
-  quiet_until_ = graph_.odometer(graph_.num_keyframes() - 1) + config_.loop.pause;
   enhance(merge, maps_before);
   log::info("map {} is joined to map {} by {} closures", merge.world, merge.into, merge.closures.size() + merge.enhancing.size());
   merges_.push_back(std::move(merge));

@@ -12,7 +12,7 @@ Fields LinkConfig::fields() {
       field("weak_length", weak_length, "m", {0.1, 1000.0}, "way over which the filter's own deviation is lost once"),
       field("gap_factor", gap_factor, "", {1.0, 100.0}, "by which the deviation of a gap is multiplied"),
       field("gravity_deg", gravity_deg, "deg", {0.01, 90.0}, "standard deviation of the direction of gravity at a keyframe"),
-      field("gravity_every", gravity_every, "", {1.0, 10000.0}, "keyframes, one with gravity"),
+      field("gravity_every", gravity_every, "", {1.0, 10000.0}, "keyframes that share one measurement of gravity"),
   };
 }
 

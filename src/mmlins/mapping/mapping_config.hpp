@@ -21,7 +21,7 @@ struct LinkConfig {
   double weak_length = 10.0;
   double gap_factor = 2.0;
   double gravity_deg = 0.5;
-  int gravity_every = 5;
+  int gravity_every = 50;
 
   [[nodiscard]] Fields fields();
 };

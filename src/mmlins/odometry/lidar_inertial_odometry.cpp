@@ -202,7 +202,7 @@ std::vector<ScanResult> LidarInertialOdometry::finish() {
   maps_.back().why_ended = Cause::kNoStart;
   for (ScanResult& result : results) {
     result.state = TrackingState::kLost;
-    result.cause = Cause::kNoStart;
+    if (result.cause != Cause::kNoPoints) result.cause = Cause::kNoStart;
   }
   return results;
 }
@@ -224,6 +224,7 @@ std::vector<ScanResult> LidarInertialOdometry::try_to_start(const OdometryConfig
   while (!waiting_.empty() && (blind > 0 || waiting_.front()->start_time < oldest)) {
     blind -= std::min<std::size_t>(blind, 1);
     dropped_.push_back(waiting_.front()->end_time);
+    why_dropped_.push_back(waiting_.front()->size() == 0 ? Cause::kNoPoints : Cause::kNoStart);
     waiting_.erase(waiting_.begin());
   }
   return {};
@@ -247,6 +248,7 @@ std::vector<ScanResult> LidarInertialOdometry::begin_with(Start start) {
   tracker_->begin_to_doubt();
   waiting_.clear();
   dropped_.clear();
+  why_dropped_.clear();
   imu_.forget_before(tracker_->needs_imu_since());
   return results;
 }
@@ -258,7 +260,7 @@ std::vector<ScanResult> LidarInertialOdometry::results_before(const Start& start
     result.time = estimate.state.time;
     result.estimate = estimate;
     result.state = TrackingState::kLost;
-    result.cause = Cause::kNoStart;
+    result.cause = why_dropped_[results.size()];
     results.push_back(std::move(result));
   }
   return results;

@@ -65,6 +65,7 @@ class LidarInertialOdometry {
   sensor::ImuBuffer imu_;                 ///< with what the calibration knows taken out
   std::vector<ScanPointer> waiting_;
   std::vector<Time> dropped_;             ///< ends of the scans that waited for a start too long ago
+  std::vector<Cause> why_dropped_;        ///< of each of them
   std::optional<Time> next_attempt_;      ///< to start, after one that was refused
   std::unique_ptr<ScanTracker> tracker_;  ///< of the active map; while that sleeps, the IMU's, ready to return
   std::unique_ptr<Restart> restart_;      ///< a new map on trial, if there is one

@@ -6,6 +6,7 @@
 
 #include "mmlins/base/config_fields.hpp"
 #include "mmlins/base/result.hpp"
+#include "mmlins/mapping/mapping_config.hpp"
 #include "mmlins/odometry/odometry_config.hpp"
 
 namespace mmlins::pipeline {
@@ -20,10 +21,12 @@ struct OutputConfig {
 
 struct SlamConfig {
   odometry::OdometryConfig odometry;
+  mapping::MappingConfig mapping;
   OutputConfig output;
 
   [[nodiscard]] Fields fields() {
-    return {group("odometry", odometry, "LiDAR-inertial odometry"), group("output", output, "files of a run")};
+    return {group("odometry", odometry, "LiDAR-inertial odometry"), group("mapping", mapping, "the back end: places, loops, maps"),
+            group("output", output, "files of a run")};
   }
 };
 

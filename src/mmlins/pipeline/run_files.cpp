@@ -13,7 +13,9 @@
 #include "mmlins/base/text_file.hpp"
 #include "mmlins/config/yaml_config.hpp"
 #include "mmlins/eval/trajectory_file.hpp"
+#include "mmlins/graph/g2o.hpp"
 #include "mmlins/io/pcd_file.hpp"
+#include "mmlins/pipeline/mapping_files.hpp"
 
 namespace mmlins::pipeline {
 namespace {
@@ -36,11 +38,6 @@ constexpr std::array<Stage, 8> kStages{{
     {"insert", [](const ScanRecord& r) { return r.times.insert; }},
     {"total", [](const ScanRecord& r) { return r.total_ms(); }},
 }};
-
-std::string stamp(Time time) {
-  const auto ns = to_ns(time);
-  return fmt::format("{}.{:09}", ns / 1'000'000'000, ns % 1'000'000'000);
-}
 
 std::string health_csv(const RunResult& result) {
   std::string text =
@@ -99,6 +96,7 @@ ordered_json maps_json(const RunResult& result) {
   for (const odometry::MapRecord& map : result.maps) {
     ordered_json entry = {{"id", map.id},
                           {"begin", stamp(map.begin)},
+                          {"world", result.mapping.worlds[static_cast<std::size_t>(map.id)]},
                           {"began", std::string(to_string(map.beginning))},
                           {"last_believed", stamp(map.last_believed)},
                           {"fell_asleep", std::string(to_string(map.why_ended))}};
@@ -116,6 +114,24 @@ ordered_json maps_json(const RunResult& result) {
   return maps;
 }
 
+ordered_json mapping_json(const RunResult& result) {
+  const MappingResult& mapping = result.mapping;
+  ordered_json closures;
+  using mmlins::mapping::ClosureState;
+  for (const auto state : {ClosureState::kRefused, ClosureState::kWaiting, ClosureState::kConfirmed, ClosureState::kCounts,
+                           ClosureState::kRejected}) {
+    closures[std::string(to_string(state))] = std::count_if(mapping.closures.begin(), mapping.closures.end(),
+                                                            [&](const auto& closure) { return closure.state == state; });
+  }
+  const mmlins::mapping::MapperTimes& t = mapping.times;
+  return {{"keyframes", mapping.keyframes.size()},
+          {"closures", std::move(closures)},
+          {"merges", mapping.merges.size()},
+          {"seconds", {{"submaps", 1e-3 * t.submaps}, {"describe", 1e-3 * t.describe}, {"recognise", 1e-3 * t.recognise},
+                       {"search", 1e-3 * t.search}, {"verify", 1e-3 * t.verify}, {"optimize", 1e-3 * t.optimize}}},
+          {"error", mapping.error}};
+}
+
 std::string summary_json(const RunResult& result, const RunSource& source, const std::string& config_yaml) {
   const double seconds = recording_seconds(result);
   ordered_json summary;
@@ -127,6 +143,7 @@ std::string summary_json(const RunResult& result, const RunSource& source, const
   summary["scans"] = result.scans.size();
   summary["scans_by_state"] = states_json(result);
   summary["maps"] = maps_json(result);
+  summary["mapping"] = mapping_json(result);
   summary["scans_left_out"] = {{"before_imu", result.num_scans_without_imu}, {"not_later", result.num_scans_not_later}};
   summary["imu_samples_not_later"] = result.num_late_imu_samples;
   summary["clock_jumps_back"] = result.num_clock_jumps;
@@ -151,6 +168,11 @@ math::Trajectory poses_of(const RunResult& result, math::SE3 ScanRecord::*pose) 
 
 }  // namespace
 
+std::string stamp(Time time) {
+  const auto ns = to_ns(time);
+  return fmt::format("{}.{:09}", ns / 1'000'000'000, ns % 1'000'000'000);
+}
+
 Status prepare_folder(const std::string& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
@@ -167,14 +189,19 @@ Status write_run(const std::string& folder, const RunResult& result, const RunSo
   const std::string config_yaml = config::to_yaml(config_copy.fields(), true);
   const std::pair<const char*, std::string> texts[] = {
       {"health.csv", health_csv(result)},
+      {"closures.csv", closures_csv(result)},
+      {"merges.json", merges_json(result)},
       {"config.yaml", config_yaml},
       {"rig.yaml", config::to_yaml(rig_copy.fields(), true)},
       {"summary.json", summary_json(result, source, config::to_yaml(config_copy.fields(), false))},
   };
   if (Status status = eval::write_tum(folder + "/odometry.tum", poses_of(result, &ScanRecord::T_odom_imu)); !status) return status;
-  if (Status status = eval::write_tum(folder + "/trajectory.tum", poses_of(result, &ScanRecord::T_map_imu)); !status) return status;
+  if (Status status = eval::write_tum(folder + "/trajectory.tum", poses_of(result, &ScanRecord::T_world_imu)); !status) return status;
   if (Status status = io::write_pcd(folder + "/map.pcd", result.map.points_map(), result.map.intensities()); !status) {
     return status;
+  }
+  if (!result.mapping.graph.nodes.empty()) {
+    if (Status status = graph::write_g2o(folder + "/graph.g2o", result.mapping.graph); !status) return status;
   }
   for (const auto& [name, text] : texts) {
     if (Status status = write_text_file(folder + "/" + name, text); !status) return status;

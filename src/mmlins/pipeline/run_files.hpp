@@ -19,10 +19,13 @@ struct RunSource {
 /// Creates the folder if need be and checks that files can be written there, before anything is computed.
 [[nodiscard]] Status prepare_folder(const std::string& folder);
 
-/// Writes odometry.tum, trajectory.tum, map.pcd, health.csv, summary.json, config.yaml and rig.yaml. Each
+/// Writes odometry.tum, trajectory.tum, map.pcd, graph.g2o, health.csv, closures.csv, merges.json, summary.json, config.yaml and rig.yaml. Each
 /// file appears under its name only when it is complete.
 [[nodiscard]] Status write_run(const std::string& folder, const RunResult& result, const RunSource& source,
                                const sensor::Rig& rig, const SlamConfig& config);
+
+/// A time as files have it: seconds with nine decimals.
+[[nodiscard]] std::string stamp(Time time);
 
 /// Statistics of one stage over all scans.
 struct StageStatistics {

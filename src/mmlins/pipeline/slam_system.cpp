@@ -5,6 +5,8 @@
 
 #include "mmlins/base/log.hpp"
 #include "mmlins/base/stopwatch.hpp"
+#include "mmlins/keyframe/keyframe_builder.hpp"
+#include "mmlins/pipeline/back_end.hpp"
 
 namespace mmlins::pipeline {
 namespace {
@@ -39,9 +41,11 @@ ScanRecord to_record(const odometry::ScanResult& result, double read_ms) {
 class Runner {
  public:
   Runner(const sensor::Rig& rig, const SlamConfig& config, const Observer& observer)
-      : odometry_(config.odometry, rig), observer_(observer) {
-    result_.map = VoxelMapBuilder(config.output.map_voxel);
-  }
+      : config_(config),
+        odometry_(config.odometry, rig),
+        builder_(config.mapping.keyframe),
+        back_end_(config.mapping, std::make_unique<keyframe::MemoryKeyframeStore>()),
+        observer_(observer) {}
 
   RunResult run(sensor::Dataset& dataset);
 
@@ -50,9 +54,20 @@ class Runner {
   bool read_one(sensor::Dataset& dataset);
   void process(const SyncedScan& synced);
   void record(const odometry::ScanResult& result);
+  /// Makes keyframes for the back end of what the odometry says.
+  void hand_on(const odometry::ScanResult& result, const math::SE3& T_map_imu);
+  void begin_map(const odometry::MapRecord& map);
+  void hand_on(keyframe::Keyframe keyframe, const imu::Estimate& estimate);
+  /// Waits for the back end, and puts everything where it lies in the end.
+  void settle();
 
+  const SlamConfig& config_;
   SensorSync sync_;
   odometry::LidarInertialOdometry odometry_;
+  keyframe::KeyframeBuilder builder_;
+  imu::Estimate last_placed_;
+  int latest_map_ = -1;
+  BackEnd back_end_;
   const Observer& observer_;
   RunResult result_;
   double read_ms_ = 0.0;
@@ -75,6 +90,7 @@ RunResult Runner::run(sensor::Dataset& dataset) {
   }
   for (const auto& late : odometry_.finish()) record(late);
   result_.maps = odometry_.maps();
+  settle();
   result_.num_late_imu_samples += sync_.num_late_imu_samples();
   result_.num_clock_jumps = sync_.num_clock_jumps();
   result_.wall_seconds = 1e-3 * whole.lap_ms();
@@ -113,12 +129,70 @@ void Runner::process(const SyncedScan& synced) {
 }
 
 void Runner::record(const odometry::ScanResult& result) {
-  const auto& map = odometry_.maps()[static_cast<std::size_t>(result.map_id)];
   ScanRecord record = to_record(result, std::exchange(read_ms_, 0.0));
-  record.T_map_imu = map.T_first_map * result.T_odom_map.inverse() * record.T_odom_imu;
-  if (odometry::is_placed(result.state)) result_.map.add(result, record.T_map_imu);
+  record.T_map_imu = result.T_odom_map.inverse() * record.T_odom_imu;
+  hand_on(result, record.T_map_imu);
   result_.scans.push_back(std::move(record));
   if (observer_ && !observer_(result_.scans.back(), progress_)) result_.interrupted = true;
+}
+
+void Runner::begin_map(const odometry::MapRecord& map) {
+  if (latest_map_ >= 0) {
+    if (auto last = builder_.finish()) hand_on(std::move(*last), last_placed_);
+    back_end_.add(EndOfMap{});
+  }
+  latest_map_ = map.id;
+  mapping::MapBegin begin{map.id, map.T_first_map, std::nullopt};
+  if (map.gap && map.gap->is_known) begin.gap_covariance = map.gap->covariance;
+  back_end_.add(begin);
+}
+
+void Runner::hand_on(const odometry::ScanResult& result, const math::SE3& T_map_imu) {
+  while (latest_map_ < result.map_id) begin_map(odometry_.maps()[static_cast<std::size_t>(latest_map_ + 1)]);
+  if (!odometry::is_placed(result.state)) return;
+  last_placed_ = result.estimate;
+  const imu::NavState& state = result.estimate.state;
+  std::vector<float> intensities;
+  intensities.reserve(result.cloud_imu->size());
+  for (const std::uint32_t source : result.cloud_imu->source) intensities.push_back(result.scan->intensities[source]);
+  const keyframe::PlacedScan scan{result.map_id, result.time, T_map_imu,
+                                  state.R_odom_imu.transpose() * state.gravity_odom.normalized(),
+                                  result.cloud_imu->points, intensities};
+  if (auto keyframe = builder_.add(scan)) hand_on(std::move(*keyframe), result.estimate);
+}
+
+void Runner::hand_on(keyframe::Keyframe keyframe, const imu::Estimate& estimate) {
+  math::Matrix6d to_body = math::Matrix6d::Identity();
+  to_body.bottomRightCorner<3, 3>() = estimate.state.R_odom_imu.transpose();
+  result_.mapping.keyframes.push_back({keyframe.time, keyframe.map_id, keyframe.T_map_imu, {}});
+  back_end_.add(NewKeyframe{std::make_shared<keyframe::Keyframe>(std::move(keyframe)),
+                            to_body * estimate.P.topLeftCorner<6, 6>() * to_body.transpose()});
+}
+
+void Runner::settle() {
+  if (auto last = builder_.finish()) hand_on(std::move(*last), last_placed_);
+  if (latest_map_ >= 0) back_end_.add(EndOfMap{});
+  back_end_.finish();
+  const mapping::Mapper& mapper = back_end_.mapper();
+  MappingResult& mapping = result_.mapping;
+  mapping.graph = mapper.map_graph().graph();
+  for (const odometry::MapRecord& map : result_.maps) mapping.worlds.push_back(mapper.map_graph().world_of(map.id));
+  mapping.closures = mapper.closures();
+  mapping.merges = mapper.merges();
+  mapping.times = mapper.times();
+  mapping.error = back_end_.error();
+  result_.map = VoxelMapBuilder(config_.output.map_voxel);
+  for (int id = 0; id < static_cast<int>(mapping.keyframes.size()); ++id) {
+    KeyframePlace& place = mapping.keyframes[static_cast<std::size_t>(id)];
+    place.T_world_imu = mapper.map_graph().T_world_keyframe(id);
+    if (const auto keyframe = back_end_.store().load(id)) result_.map.add(**keyframe, place.T_world_imu);
+  }
+  std::vector<ScanPlace> scans;
+  for (const ScanRecord& r : result_.scans) {
+    scans.push_back({r.time, r.map_id, odometry::is_placed(r.state), r.T_map_imu, r.T_odom_imu, r.v_imu});
+  }
+  const std::vector<math::SE3> poses = world_trajectory(scans, mapping.keyframes);
+  for (std::size_t i = 0; i < poses.size(); ++i) result_.scans[i].T_world_imu = poses[i];
 }
 
 }  // namespace

@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-// One recording from its first to its last measurement, in one thread of control: the same recording
-// gives the same results whatever the machine is doing.
+// One recording from its first to its last measurement: odometry in this thread, the back end in one beside it. The same
+// recording gives the same results whatever the machine is doing.
 
 #include <functional>
 #include <string>
 #include <vector>
 
 #include "mmlins/odometry/lidar_inertial_odometry.hpp"
+#include "mmlins/mapping/mapper.hpp"
 #include "mmlins/pipeline/config.hpp"
 #include "mmlins/pipeline/sensor_sync.hpp"
 #include "mmlins/pipeline/voxel_map_builder.hpp"
+#include "mmlins/pipeline/world_trajectory.hpp"
 #include "mmlins/sensor/dataset.hpp"
 
 namespace mmlins::pipeline {
@@ -19,7 +21,8 @@ namespace mmlins::pipeline {
 struct ScanRecord {
   Time time;
   math::SE3 T_odom_imu;
-  math::SE3 T_map_imu;          ///< in the frame of the first map, which later maps are joined to by what the IMU felt
+  math::SE3 T_map_imu;          ///< in the frame of its own map
+  math::SE3 T_world_imu;        ///< in the frame of the first map, as known at the end of the run
   int map_id = 0;
   math::Vector3d v_imu = math::Vector3d::Zero();             ///< velocity along the axes of the IMU [m/s]
   math::Vector3d down_imu = -math::Vector3d::UnitZ();         ///< unit, where gravity points, along the axes of the IMU
@@ -43,9 +46,21 @@ struct ScanRecord {
   [[nodiscard]] double total_ms() const { return read_ms + times.total(); }
 };
 
+/// What the back end made of it.
+struct MappingResult {
+  std::vector<KeyframePlace> keyframes;
+  graph::PoseGraph graph;
+  std::vector<int> worlds;      ///< of each map: the first one of those that it was joined to
+  std::vector<mapping::Closure> closures;
+  std::vector<mapping::Merge> merges;
+  mapping::MapperTimes times;
+  std::string error;            ///< of the store of keyframes; empty if there was none
+};
+
 struct RunResult {
   std::vector<ScanRecord> scans;
   std::vector<odometry::MapRecord> maps;
+  MappingResult mapping;
   VoxelMapBuilder map{1.0};     ///< in the frame of the first map
   int num_scans_without_imu = 0;
   int num_scans_not_later = 0;

@@ -3,13 +3,14 @@
 
 namespace mmlins::pipeline {
 
-void VoxelMapBuilder::add(const odometry::ScanResult& result, const math::SE3& T_map_imu) {
-  for (std::size_t i = 0; i < result.cloud_imu->size(); ++i) {
-    const math::Vector3d p_map = T_map_imu * result.cloud_imu->points[i].cast<double>();
+void VoxelMapBuilder::add(const keyframe::Keyframe& keyframe, const math::SE3& T_map_imu) {
+  for (std::size_t i = 0; i < keyframe.points_imu.size(); ++i) {
+    const math::Vector3d p_map = T_map_imu * keyframe.points_imu[i].cast<double>();
     const std::size_t num_before = cells_.payloads().size();
     const std::uint32_t id = cells_.find_or_add(cells_.index_of(p_map));
     if (cells_.payloads().size() == num_before) continue;
-    cells_.payloads()[id] = {p_map.cast<float>(), result.scan->intensities[result.cloud_imu->source[i]]};
+    const float intensity = keyframe.intensities.empty() ? 0.0F : static_cast<float>(keyframe.intensities[i]);
+    cells_.payloads()[id] = {p_map.cast<float>(), intensity};
   }
 }
 

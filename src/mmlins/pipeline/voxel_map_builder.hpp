@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "mmlins/odometry/scan_result.hpp"
+#include "mmlins/keyframe/keyframe.hpp"
 #include "mmlins/spatial/voxel_table.hpp"
 
 namespace mmlins::pipeline {
@@ -15,9 +15,9 @@ class VoxelMapBuilder {
  public:
   explicit VoxelMapBuilder(double voxel) : cells_(voxel) {}
 
-  /// Adds the points of a tracked scan that fall into empty cells.
+  /// Adds the points of a keyframe that fall into empty cells.
   /// @param T_map_imu  its pose in the frame of the cloud
-  void add(const odometry::ScanResult& result, const math::SE3& T_map_imu);
+  void add(const keyframe::Keyframe& keyframe, const math::SE3& T_map_imu);
 
   [[nodiscard]] std::size_t num_points() const { return cells_.payloads().size(); }
   [[nodiscard]] std::vector<Eigen::Vector3f> points_map() const;

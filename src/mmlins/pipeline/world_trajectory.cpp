@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+#include "mmlins/pipeline/world_trajectory.hpp"
+
+#include <algorithm>
+
+namespace mmlins::pipeline {
+namespace {
+
+using math::SE3;
+using math::Vector3d;
+
+/// Where keyframe `k` says that the scan is.
+SE3 by(const KeyframePlace& k, const ScanPlace& scan) { return k.T_world_imu * (k.T_map_imu.inverse() * scan.T_map_imu); }
+
+SE3 between_keyframes(const ScanPlace& scan, std::span<const KeyframePlace> keyframes) {
+  const auto later = std::upper_bound(keyframes.begin(), keyframes.end(), scan.time,
+                                      [](Time time, const KeyframePlace& k) { return time < k.time; });
+  const bool has_next = later != keyframes.end() && later->map_id == scan.map_id;
+  const bool has_last = later != keyframes.begin() && std::prev(later)->map_id == scan.map_id;
+  if (!has_next && !has_last) return scan.T_map_imu;
+  if (!has_next) return by(*std::prev(later), scan);
+  if (!has_last) return by(*later, scan);
+  const KeyframePlace& a = *std::prev(later);
+  const double share = to_seconds(scan.time - a.time) / to_seconds(later->time - a.time);
+  return math::interpolate(by(a, scan), by(*later, scan), share);
+}
+
+/// Carries the poses on from the scan before by the motion in odom, up to and with the scan `last`.
+void carry_on(std::span<const ScanPlace> scans, std::span<SE3> poses, std::size_t first, std::size_t last) {
+  for (std::size_t i = first; i <= last; ++i) {
+    poses[i] = poses[first - 1] * (scans[first - 1].T_odom_imu.inverse() * scans[i].T_odom_imu);
+  }
+}
+
+/// Fits what the IMU carried, scans first to last, to the placed scan after them: errors of position grow like a cubic that
+/// has the difference of position and of velocity at its end, those of rotation linearly.
+void fit_between(std::span<const ScanPlace> scans, std::span<SE3> poses, std::size_t first, std::size_t last) {
+  const std::size_t end = last + 1;
+  const SE3 T_world_end = poses[end];
+  carry_on(scans, poses, first, end);
+  const double duration = to_seconds(scans[end].time - scans[first - 1].time);
+  const auto velocity = [&](std::size_t i) -> Vector3d { return poses[i].R * scans[i].v_imu; };
+  // At the end itself the velocity has been corrected; what the IMU would have had there follows from before.
+  const Vector3d v_carried = last > first ? 2.0 * velocity(last) - velocity(last - 1) : velocity(last);
+  const Vector3d v_error = T_world_end.R * scans[end].v_imu - v_carried;
+  const Vector3d p_error = T_world_end.t - poses[end].t;
+  const Vector3d turn = math::so3_log((poses[end].R.transpose() * T_world_end.R).eval());
+  for (std::size_t i = first; i <= last; ++i) {
+    const double s = to_seconds(scans[i].time - scans[first - 1].time) / duration;
+    poses[i].t += s * s * (3.0 - 2.0 * s) * p_error + s * s * (s - 1.0) * duration * v_error;
+    poses[i].R = poses[i].R * math::so3_exp((s * turn).eval());
+  }
+  poses[end] = T_world_end;
+}
+
+}  // namespace
+
+std::vector<SE3> world_trajectory(std::span<const ScanPlace> scans, std::span<const KeyframePlace> keyframes) {
+  std::vector<SE3> poses;
+  poses.reserve(scans.size());
+  for (const ScanPlace& scan : scans) poses.push_back(between_keyframes(scan, keyframes));
+  std::size_t first = 0;
+  while (first < scans.size()) {
+    if (scans[first].is_placed || first == 0) {
+      ++first;
+      continue;
+    }
+    std::size_t last = first;
+    while (last + 1 < scans.size() && !scans[last + 1].is_placed) ++last;
+    if (last + 1 < scans.size()) {
+      fit_between(scans, poses, first, last);
+    } else {
+      carry_on(scans, poses, first, last);
+    }
+    first = last + 1;
+  }
+  return poses;
+}
+
+}  // namespace mmlins::pipeline
