@@ -1,51 +1,32 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-// The back end: keyframes go in, in order; places are recognised, loops closed and maps joined; where every keyframe
-// lies in the world comes out. It owns no thread and never talks back to the odometry.
+// The back end as it is by default: places are recognised by submaps, loops closed and maps joined when several closures
+// agree on it.
 
 #include <vector>
 
 #include "mmlins/keyframe/submap_cutter.hpp"
-#include "mmlins/mapping/closure.hpp"
+#include "mmlins/mapping/back_end_mapper.hpp"
 #include "mmlins/mapping/consistency.hpp"
-#include "mmlins/mapping/map_graph.hpp"
 #include "mmlins/mapping/place_finder.hpp"
-#include "mmlins/mapping/submap_library.hpp"
 
 namespace mmlins::mapping {
 
-/// Milliseconds spent so far.
-struct MapperTimes {
-  double submaps = 0.0;
-  double describe = 0.0;
-  double recognise = 0.0;
-  double search = 0.0;
-  double verify = 0.0;
-  double optimize = 0.0;
-
-  [[nodiscard]] double total() const { return submaps + describe + recognise + search + verify + optimize; }
-};
-
-class Mapper {
+class Mapper final : public BackEndMapper {
  public:
   /// @param store  where the keyframes are, each before it is added here
   Mapper(const MappingConfig& config, keyframe::KeyframeStore& store);
 
-  /// @pre maps come in the order of their ids, which begin at 0
-  void begin_map(const MapBegin& begin);
-  /// @param pose_covariance  of the pose against its map, in T Exp(e)
-  /// @pre keyframes come in the order of their ids, which begin at 0, and belong to the latest map
-  void add(const keyframe::KeyframePointer& keyframe, const math::Matrix6d& pose_covariance);
-  /// The latest map falls asleep, or the recording ends: nothing more of it will come.
-  void end_map();
+  void begin_map(const MapBegin& begin) override;
+  void add(const keyframe::KeyframePointer& keyframe, const math::Matrix6d& pose_covariance) override;
+  void end_map() override;
 
-  [[nodiscard]] const MapGraph& map_graph() const { return graph_; }
-  [[nodiscard]] const std::vector<SubmapRecord>& submaps() const { return library_.records(); }
-  [[nodiscard]] const std::vector<Closure>& closures() const { return closures_; }
-  [[nodiscard]] const std::vector<Merge>& merges() const { return merges_; }
-  /// Rises whenever keyframes have been moved.
-  [[nodiscard]] int revision() const { return revision_; }
-  [[nodiscard]] MapperTimes times() const;
+  [[nodiscard]] const MapGraph& map_graph() const override { return graph_; }
+  [[nodiscard]] const std::vector<SubmapRecord>& submaps() const override { return library_.records(); }
+  [[nodiscard]] const std::vector<Closure>& closures() const override { return closures_; }
+  [[nodiscard]] const std::vector<Merge>& merges() const override { return merges_; }
+  [[nodiscard]] int revision() const override { return revision_; }
+  [[nodiscard]] MapperTimes times() const override;
 
  private:
   /// A submap that looks for known places.

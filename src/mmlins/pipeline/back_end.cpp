@@ -14,7 +14,7 @@ constexpr std::size_t kMaxWaiting = 64;
 }  // namespace
 
 BackEnd::BackEnd(const mapping::MappingConfig& config, std::unique_ptr<keyframe::KeyframeStore> store)
-    : store_(std::move(store)), mapper_(config, *store_), worker_([this] { work(); }) {}
+    : store_(std::move(store)), mapper_(mapping::make_mapper(config, *store_)), worker_([this] { work(); }) {}
 
 BackEnd::~BackEnd() { finish(); }
 
@@ -49,15 +49,15 @@ void BackEnd::work() {
 
 void BackEnd::perform(const MappingTask& task) {
   if (const auto* begin = std::get_if<mapping::MapBegin>(&task)) {
-    mapper_.begin_map(*begin);
+    mapper_->begin_map(*begin);
   } else if (const auto* added = std::get_if<NewKeyframe>(&task)) {
     if (Status status = store_->add(added->keyframe); !status && error_.empty()) {
       error_ = status.error().message;
       log::warning("{}", error_);
     }
-    mapper_.add(added->keyframe, added->pose_covariance);
+    mapper_->add(added->keyframe, added->pose_covariance);
   } else {
-    mapper_.end_map();
+    mapper_->end_map();
   }
 }
 

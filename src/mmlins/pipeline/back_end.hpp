@@ -10,7 +10,7 @@
 #include <thread>
 #include <variant>
 
-#include "mmlins/mapping/mapper.hpp"
+#include "mmlins/mapping/back_end_mapper.hpp"
 
 namespace mmlins::pipeline {
 
@@ -34,7 +34,7 @@ class BackEnd {
   void finish();
 
   /// @pre finish() has returned
-  [[nodiscard]] const mapping::Mapper& mapper() const { return mapper_; }
+  [[nodiscard]] const mapping::BackEndMapper& mapper() const { return *mapper_; }
   [[nodiscard]] keyframe::KeyframeStore& store() { return *store_; }
   /// The first error of the store; empty if there was none. @pre finish() has returned
   [[nodiscard]] const std::string& error() const { return error_; }
@@ -44,7 +44,7 @@ class BackEnd {
   void perform(const MappingTask& task);
 
   std::unique_ptr<keyframe::KeyframeStore> store_;
-  mapping::Mapper mapper_;
+  std::unique_ptr<mapping::BackEndMapper> mapper_;
   std::string error_;
   std::mutex mutex_;  ///< guards what follows; never held while working
   std::condition_variable changed_;

@@ -42,6 +42,7 @@ class Runner {
  public:
   Runner(const sensor::Rig& rig, const SlamConfig& config, const Observer& observer)
       : config_(config),
+        rig_(rig),
         odometry_(config.odometry, rig),
         builder_(config.mapping.keyframe),
         back_end_(config.mapping, std::make_unique<keyframe::MemoryKeyframeStore>()),
@@ -62,6 +63,7 @@ class Runner {
   void settle();
 
   const SlamConfig& config_;
+  const sensor::Rig& rig_;
   SensorSync sync_;
   odometry::LidarInertialOdometry odometry_;
   keyframe::KeyframeBuilder builder_;
@@ -173,7 +175,7 @@ void Runner::settle() {
   if (auto last = builder_.finish()) hand_on(std::move(*last), last_placed_);
   if (latest_map_ >= 0) back_end_.add(EndOfMap{});
   back_end_.finish();
-  const mapping::Mapper& mapper = back_end_.mapper();
+  const mapping::BackEndMapper& mapper = back_end_.mapper();
   MappingResult& mapping = result_.mapping;
   mapping.graph = mapper.map_graph().graph();
   for (const odometry::MapRecord& map : result_.maps) mapping.worlds.push_back(mapper.map_graph().world_of(map.id));
@@ -191,7 +193,7 @@ void Runner::settle() {
   for (const ScanRecord& r : result_.scans) {
     scans.push_back({r.time, r.map_id, odometry::is_placed(r.state), r.T_map_imu, r.T_odom_imu, r.v_imu});
   }
-  const std::vector<math::SE3> poses = world_trajectory(scans, mapping.keyframes);
+  const std::vector<math::SE3> poses = world_trajectory(scans, mapping.keyframes, rig_);
   for (std::size_t i = 0; i < poses.size(); ++i) result_.scans[i].T_world_imu = poses[i];
 }
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "mmlins/odometry/lidar_inertial_odometry.hpp"
-#include "mmlins/mapping/mapper.hpp"
+#include "mmlins/mapping/back_end_mapper.hpp"
 #include "mmlins/pipeline/config.hpp"
 #include "mmlins/pipeline/sensor_sync.hpp"
 #include "mmlins/pipeline/voxel_map_builder.hpp"
