@@ -42,7 +42,6 @@ class Runner {
  public:
   Runner(const sensor::Rig& rig, const SlamConfig& config, const Observer& observer)
       : config_(config),
-        rig_(rig),
         odometry_(config.odometry, rig),
         builder_(config.mapping.keyframe),
         back_end_(config.mapping, std::make_unique<keyframe::MemoryKeyframeStore>()),
@@ -63,7 +62,6 @@ class Runner {
   void settle();
 
   const SlamConfig& config_;
-  const sensor::Rig& rig_;
   SensorSync sync_;
   odometry::LidarInertialOdometry odometry_;
   keyframe::KeyframeBuilder builder_;
@@ -193,7 +191,7 @@ void Runner::settle() {
   for (const ScanRecord& r : result_.scans) {
     scans.push_back({r.time, r.map_id, odometry::is_placed(r.state), r.T_map_imu, r.T_odom_imu, r.v_imu});
   }
-  const std::vector<math::SE3> poses = world_trajectory(scans, mapping.keyframes, rig_);
+  const std::vector<math::SE3> poses = world_trajectory(scans, mapping.keyframes);
   for (std::size_t i = 0; i < poses.size(); ++i) result_.scans[i].T_world_imu = poses[i];
 }
 
