@@ -15,11 +15,11 @@ import re
 import sys
 import time
 
-from degeneracy import bag_map, cold, events, free, recorded, restart
+from degeneracy import bag_map, cold, events, free, recorded, restart, soft
 from degeneracy.bench import Bench, Item, Section, Wanted, all_figures, digest, figures_of
 
 SECTIONS = {"events": events.SECTION, "free": free.SECTION, "restart": restart.SECTION, "cold": cold.SECTION,
-            "bag": bag_map.SECTION, "recorded": recorded.SECTION}
+            "soft": soft.SECTION, "bag": bag_map.SECTION, "recorded": recorded.SECTION}
 PAGE = pathlib.Path(__file__).resolve().parent.parent / "docs" / "results" / "degeneracy.md"
 
 

@@ -19,7 +19,7 @@ METHODS = {  # what is handed to `run`; `plain` is another program
     "published": ("odometry.detector=published",),
     "zhang": ("odometry.detector=zhang",),
     "start_paper": ("odometry.initialization.mode=paper",),
-    "unsoftened": ("odometry.matching.soften_weak_directions=false",),
+    "softened": ("odometry.matching.soften_weak_directions=true",),
     "plain": (),
 }
 
@@ -67,8 +67,15 @@ class Bench(NamedTuple):
     simulator: str
     plain: str | None
     recordings: pathlib.Path | None  # recordings are kept here, if anywhere
+    methods: dict[str, tuple[str, ...]] = METHODS
+    benchmarks: pathlib.Path | None = None  # folder of the programs bench_*
+    suspects: pathlib.Path | None = None  # runs that look wrong are kept here, if anywhere
 
     def program_of(self, method: str) -> str:
+        if method.startswith("bench_"):
+            if self.benchmarks is None or not (self.benchmarks / method).is_file():
+                raise Failed(f"--benchmarks is needed: the folder in which {method} is")
+            return str(self.benchmarks / method)
         if method != "plain":
             return self.mmlins
         if self.plain is None:
@@ -77,7 +84,7 @@ class Bench(NamedTuple):
 
     def identity_of(self, item: Item) -> str:
         return fingerprint(digest(self.program_of(item.method)), digest(self.simulator), item.scenario,
-                           *item.settings, "|", *item.spoil, "|", *METHODS[item.method])
+                           *item.settings, "|", *item.spoil, "|", *self.methods.get(item.method, ()))
 
     @contextlib.contextmanager
     def recording_of(self, item: Item) -> Iterator[Recording]:
@@ -104,7 +111,7 @@ class Bench(NamedTuple):
     def run(self, method: str, recording: Recording, out: pathlib.Path) -> str:
         """What it said on the way."""
         return call(self.program_of(method), "run", recording.bag, "--rig", recording.rig, "--out", out,
-                    "--threads", 1, *settings_words(METHODS[method]))
+                    "--threads", 1, *settings_words(self.methods[method]))
 
     def evaluated(self, truth: pathlib.Path, estimate: pathlib.Path) -> dict:
         said = call(self.mmlins, "evaluate", truth, estimate, "--json")
