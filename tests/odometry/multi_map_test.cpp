@@ -237,6 +237,26 @@ TEST(MultiMap, AWorldThatMovesAlongIsCalledADisagreement) {
   EXPECT_EQ(first_disagreement(0.0), 0.0);
 }
 
+// Ten seconds in which the drift stays within the budget, after which the old map is not seen any more: the new one
+// was tried while the old one was still awake.
+TEST(MultiMap, ANewMapIsThereASecondAfterTheLightAlsoWithinTheBudget) {
+  const double dark = 20.0;
+  const double light = 30.0;
+  const Drive drive = SimulatedDrive("dev_event_campus_vlp16", {"sensor.columns=300", "imu.model=bmi088", "duration=33"},
+                                     {{EventKind::kBlackout, dark, light - dark}})
+                          .run();
+  expect_a_pose_for_every_scan(drive);
+  ASSERT_EQ(drive.maps.size(), 2U);
+  for (const DrivenScan& scan : drive.scans) {
+    if (scan.seconds > dark + 0.01 && scan.seconds < light - 0.01) {
+      EXPECT_EQ(scan.state, TrackingState::kBridging) << scan.seconds;  // and not LOST
+    }
+    if (scan.seconds < light + 1.0) continue;
+    EXPECT_TRUE(scan.map_id == 1 && is_placed(scan.state)) << scan.seconds;
+    EXPECT_LT(scan.speed_error, 0.05) << scan.seconds;
+  }
+}
+
 class WithoutEvents : public testing::TestWithParam<std::string> {};
 
 TEST_P(WithoutEvents, ThereIsOneMapAndNoScanIsDoubted) {

@@ -73,7 +73,9 @@ def line(figures: dict) -> str:
     if figures["start_s"] is None:
         return f"NEVER started; {words}"
     errors, end = figures["errors"], figures["end"]
-    return (f"{'right' if figures['right'] else 'WRONG'} after {figures['start_s']:.1f} s, {errors['state']} "
+    hidden = has_speed(figures) and errors["tilt_deg"] <= 3.0 * errors["tilt_std_deg"]
+    verdict = "right" if figures["right"] else "tilt in doubt, as it says," if hidden else "WRONG"
+    return (f"{verdict} after {figures['start_s']:.1f} s, {errors['state']} "
             f"{errors['tilt_deg']:.2f} deg (std {errors['tilt_std_deg']:.2f}) {errors['speed_m_s']:.3f} m/s, at the end {end['state']} "
             f"{end['tilt_deg']:.2f} deg {end['speed_m_s']:.3f} m/s; maps {len(figures['began'])}; {words}")
 

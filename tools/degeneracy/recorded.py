@@ -29,7 +29,9 @@ def measure(bench: Bench, item: Item) -> dict:
         parts = {"whole": (0.0, 1e18), "before": (0.0, first), "after": (last + 2.0, 1e18)}
         ate = {part: part_ate(bench, made, out, span) for part, span in parts.items()}
         summary = json.loads((out / "summary.json").read_text())
-    return {"ate_m": ate, "maps": len(summary.get("maps", [0])), "states": summary["scans_by_state"],
+    stages = summary["stages"]
+    return {"judging_ms": stages.get("health", {}).get("mean_ms"), "total_ms": stages["total"]["mean_ms"],
+            "ate_m": ate, "maps": len(summary.get("maps", [0])), "states": summary["scans_by_state"],
             "episodes": [[e.start - origin, e.end - origin, *e.causes] for e in episodes_of(rows)]}
 
 
@@ -48,10 +50,17 @@ def line(figures: dict) -> str:
 
 
 def table(all_figures: list[dict], _: pathlib.Path) -> list[str]:
-    lines = ["| recording | method | maps | ATE, whole [m] | before | from 2 s after |", "|---|---|---|---|---|---|"]
+    lines = ["| recording | method | maps | ATE, whole [m] | before | from 2 s after | judging, of the time per scan [ms] |",
+             "|---|---|---|---|---|---|---|"]
     return lines + [f"| {f['about']['recording']} | {f['method']} | {f['maps']} | " +
-                    " | ".join(metres(f["ate_m"][part]) for part in ("whole", "before", "after")) + " |"
-                    for f in all_figures if "failed" not in f]
+                    " | ".join(metres(f["ate_m"][part]) for part in ("whole", "before", "after")) +
+                    f" | {judging(f)} |" for f in all_figures if "failed" not in f]
+
+
+def judging(f: dict) -> str:
+    if f.get("judging_ms") is None:
+        return ""
+    return f"{f['judging_ms']:.3f} of {f['total_ms']:.2f}, {100.0 * f['judging_ms'] / f['total_ms']:.1f} %"
 
 
 SECTION = Section(items, measure, line, table)
