@@ -76,14 +76,16 @@ void Mapper::look_around(const keyframe::Keyframes& keyframes, bool is_complete)
   find_known_places(view, descriptor);
   const bool is_new = library_.records().empty() || library_.records().back().id < view.record.id;
   if (!is_complete || !is_new) return;
+  view.record.footprint = descriptor.footprint;
   library_.add(view.record, view.loaded);
   finder_.add(view.record, std::move(descriptor));
 }
 
 void Mapper::find_known_places(const View& view, const place::PlaceDescriptor& descriptor) {
+  const bool may_join = config_.fusion != FusionKind::kOff;
   bool other_worlds = false;
   for (const SubmapRecord& record : library_.records()) {
-    other_worlds = other_worlds || graph_.world_of(record.map_id) != graph_.world_of(view.record.map_id);
+    other_worlds = other_worlds || (may_join && graph_.world_of(record.map_id) != graph_.world_of(view.record.map_id));
   }
   const bool is_quiet = graph_.odometer(view.record.id) < quiet_until_;
   if (is_quiet && !other_worlds) return;
@@ -93,7 +95,7 @@ void Mapper::find_known_places(const View& view, const place::PlaceDescriptor& d
       if (std::find(examined.begin(), examined.end(), candidate.index) != examined.end()) continue;
       const int target_world = graph_.world_of(library_.records()[candidate.index].map_id);
       const int world = graph_.world_of(view.record.map_id);
-      if (is_quiet && target_world == world) continue;
+      if (target_world == world ? is_quiet : !may_join) continue;
       examined.push_back(candidate.index);
       Closure* closure = examine(view, candidate);
       if (!closure || closure->state != ClosureState::kWaiting) continue;
@@ -110,7 +112,7 @@ void Mapper::find_known_places(const View& view, const place::PlaceDescriptor& d
 }
 
 Closure* Mapper::examine(const View& view, const PlaceCandidate& candidate) {
-  const SubmapRecord target = library_.records()[candidate.index];
+  const SubmapRecord& target = library_.records()[candidate.index];
   const auto loaded = library_.load(candidate.index);
   if (!loaded) {
     log::warning("{}", loaded.error().message);

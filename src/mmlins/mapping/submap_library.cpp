@@ -23,7 +23,7 @@ SubmapRecord SubmapLibrary::record_of(const keyframe::Submap& submap, const keyf
   const auto middle = std::find_if(keyframes.begin(), keyframes.end(), is_middle);
   MMLINS_CHECK(middle != keyframes.end());
   return {submap.id, submap.map_id, keyframes.front()->id, keyframes.back()->id,
-          (*middle)->T_map_imu.inverse() * submap.T_map_submap};
+          (*middle)->T_map_imu.inverse() * submap.T_map_submap, {}};
 }
 
 void SubmapLibrary::add(const SubmapRecord& record, LoadedSubmapPointer loaded) {

@@ -9,6 +9,7 @@
 
 #include "mmlins/keyframe/keyframe_store.hpp"
 #include "mmlins/keyframe/submap.hpp"
+#include "mmlins/place/place_descriptor.hpp"
 #include "mmlins/registration/register_submaps.hpp"
 
 namespace mmlins::mapping {
@@ -20,6 +21,7 @@ struct SubmapRecord {
   int first_keyframe = 0;
   int last_keyframe = 0;
   math::SE3 T_keyframe_submap;  ///< from its own frame to that of its middle keyframe
+  place::Footprint footprint;   ///< what it looks like, once it is in the library
 };
 
 /// A submap with its points, ready to be registered and searched.

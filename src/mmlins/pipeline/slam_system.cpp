@@ -42,6 +42,7 @@ class Runner {
  public:
   Runner(const sensor::Rig& rig, const SlamConfig& config, const Observer& observer)
       : config_(config),
+        rig_(rig),
         odometry_(config.odometry, rig),
         builder_(config.mapping.keyframe),
         back_end_(config.mapping, std::make_unique<keyframe::MemoryKeyframeStore>()),
@@ -62,6 +63,7 @@ class Runner {
   void settle();
 
   const SlamConfig& config_;
+  const sensor::Rig& rig_;
   SensorSync sync_;
   odometry::LidarInertialOdometry odometry_;
   keyframe::KeyframeBuilder builder_;
@@ -189,9 +191,11 @@ void Runner::settle() {
   }
   std::vector<ScanPlace> scans;
   for (const ScanRecord& r : result_.scans) {
-    scans.push_back({r.time, r.map_id, odometry::is_placed(r.state), r.T_map_imu, r.T_odom_imu, r.v_imu});
+    // The scan with which a map begins is the last of its trial, but has its place in it already.
+    const bool begins_map = !scans.empty() && scans.back().map_id != r.map_id;
+    scans.push_back({r.time, r.map_id, odometry::is_placed(r.state) || begins_map, r.T_map_imu, r.T_odom_imu, r.v_imu});
   }
-  const std::vector<math::SE3> poses = world_trajectory(scans, mapping.keyframes);
+  const std::vector<math::SE3> poses = world_trajectory(scans, mapping.keyframes, rig_);
   for (std::size_t i = 0; i < poses.size(); ++i) result_.scans[i].T_world_imu = poses[i];
 }
 

@@ -3,11 +3,12 @@
 
 #include <algorithm>
 
+#include "mmlins/pipeline/carried_stretch.hpp"
+
 namespace mmlins::pipeline {
 namespace {
 
 using math::SE3;
-using math::Vector3d;
 
 /// Where keyframe `k` says that the scan is.
 SE3 by(const KeyframePlace& k, const ScanPlace& scan) { return k.T_world_imu * (k.T_map_imu.inverse() * scan.T_map_imu); }
@@ -32,30 +33,26 @@ void carry_on(std::span<const ScanPlace> scans, std::span<SE3> poses, std::size_
   }
 }
 
-/// Fits what the IMU carried, scans first to last, to the placed scan after them: errors of position grow like a cubic that
-/// has the difference of position and of velocity at its end, those of rotation linearly.
-void fit_between(std::span<const ScanPlace> scans, std::span<SE3> poses, std::size_t first, std::size_t last) {
+/// Fits what the IMU carried, scans first to last, to the placed scan after them.
+void fit_between(std::span<const ScanPlace> scans, std::span<SE3> poses, std::size_t first, std::size_t last,
+                 const sensor::Rig& rig) {
   const std::size_t end = last + 1;
   const SE3 T_world_end = poses[end];
   carry_on(scans, poses, first, end);
-  const double duration = to_seconds(scans[end].time - scans[first - 1].time);
-  const auto velocity = [&](std::size_t i) -> Vector3d { return poses[i].R * scans[i].v_imu; };
+  std::vector<MovingPose> carried;
+  for (std::size_t i = first - 1; i <= end; ++i) carried.push_back({scans[i].time, poses[i], poses[i].R * scans[i].v_imu});
   // At the end itself the velocity has been corrected; what the IMU would have had there follows from before.
-  const Vector3d v_carried = last > first ? 2.0 * velocity(last) - velocity(last - 1) : velocity(last);
-  const Vector3d v_error = T_world_end.R * scans[end].v_imu - v_carried;
-  const Vector3d p_error = T_world_end.t - poses[end].t;
-  const Vector3d turn = math::so3_log((poses[end].R.transpose() * T_world_end.R).eval());
-  for (std::size_t i = first; i <= last; ++i) {
-    const double s = to_seconds(scans[i].time - scans[first - 1].time) / duration;
-    poses[i].t += s * s * (3.0 - 2.0 * s) * p_error + s * s * (s - 1.0) * duration * v_error;
-    poses[i].R = poses[i].R * math::so3_exp((s * turn).eval());
-  }
+  const std::size_t n = carried.size();
+  if (n > 3) carried.back().v_world = 2.0 * carried[n - 2].v_world - carried[n - 3].v_world;
+  const std::vector<SE3> fitted = smooth(carried, {scans[end].time, T_world_end, T_world_end.R * scans[end].v_imu}, rig);
+  std::copy(fitted.begin(), fitted.end(), poses.begin() + static_cast<std::ptrdiff_t>(first));
   poses[end] = T_world_end;
 }
 
 }  // namespace
 
-std::vector<SE3> world_trajectory(std::span<const ScanPlace> scans, std::span<const KeyframePlace> keyframes) {
+std::vector<SE3> world_trajectory(std::span<const ScanPlace> scans, std::span<const KeyframePlace> keyframes,
+                                  const sensor::Rig& rig) {
   std::vector<SE3> poses;
   poses.reserve(scans.size());
   for (const ScanPlace& scan : scans) poses.push_back(between_keyframes(scan, keyframes));
@@ -68,7 +65,7 @@ std::vector<SE3> world_trajectory(std::span<const ScanPlace> scans, std::span<co
     std::size_t last = first;
     while (last + 1 < scans.size() && !scans[last + 1].is_placed) ++last;
     if (last + 1 < scans.size()) {
-      fit_between(scans, poses, first, last);
+      fit_between(scans, poses, first, last, rig);
     } else {
       carry_on(scans, poses, first, last);
     }

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 // One trajectory for the whole recording: every scan is hung between the keyframes around it, wherever these lie in
-// the end, and what the IMU alone carried is fitted between its two ends. docs/math/mapping.md, Eqs. (4) and (5).
+// the end, and what the IMU alone carried is fitted between its two ends. docs/math/mapping.md, Eqs. (4) to (7).
 
 #include <span>
 #include <vector>
 
 #include "mmlins/base/time.hpp"
 #include "mmlins/math/se3.hpp"
+#include "mmlins/sensor/rig.hpp"
 
 namespace mmlins::pipeline {
 
@@ -32,6 +33,7 @@ struct ScanPlace {
 /// @param keyframes  likewise
 /// @return T_world_imu of every scan
 [[nodiscard]] std::vector<math::SE3> world_trajectory(std::span<const ScanPlace> scans,
-                                                      std::span<const KeyframePlace> keyframes);
+                                                      std::span<const KeyframePlace> keyframes,
+                                                      const sensor::Rig& rig);
 
 }  // namespace mmlins::pipeline
