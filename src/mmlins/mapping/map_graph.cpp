@@ -83,6 +83,7 @@ void MapGraph::add(const keyframe::Keyframe& keyframe, const Matrix6d& pose_cova
 }
 
 void MapGraph::add_gravity(const keyframe::Keyframe& keyframe, bool is_first) {
+  if (link_.gravity_every == 0) return;
   // What gravity is taken for changes slowly: many factors would be one error many times. The latest of a stretch knows best.
   num_since_gravity_ = is_first ? 0 : (num_since_gravity_ + 1) % link_.gravity_every;
   if (num_since_gravity_ != 0) graph_.gravity.pop_back();

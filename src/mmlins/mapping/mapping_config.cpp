@@ -12,7 +12,8 @@ Fields LinkConfig::fields() {
       field("weak_length", weak_length, "m", {0.1, 1000.0}, "way over which the filter's own deviation is lost once"),
       field("gap_factor", gap_factor, "", {1.0, 100.0}, "by which the deviation of a gap is multiplied"),
       field("gravity_deg", gravity_deg, "deg", {0.01, 90.0}, "standard deviation of the direction of gravity at a keyframe"),
-      field("gravity_every", gravity_every, "", {1.0, 10000.0}, "keyframes that share one measurement of gravity"),
+      field("gravity_every", gravity_every, "", {0.0, 10000.0},
+            "keyframes that share one measurement of gravity; 0: there are none"),
   };
 }
 
@@ -52,6 +53,8 @@ Fields MergeConfig::fields() {
 Fields MappingConfig::fields() {
   return {
       field("enabled", enabled, "recognise places, close loops and join maps; otherwise odometry alone"),
+      field("fusion", fusion, {"default", "paper", "single", "off"},
+            "how maps are joined: by default, as in the MM-LINS paper, with one of its constraints, or not at all"),
       group("keyframe", keyframe, "what the odometry hands on"),
       group("submap", submap, "the unit in which places are recognised"),
       group("place", place, "what a place looks like"),
@@ -61,6 +64,7 @@ Fields MappingConfig::fields() {
       group("link", link, "what the odometry is believed between keyframes"),
       group("loop", loop, "where known places are looked for"),
       group("merge", merge, "what it takes to join two maps"),
+      group("paper", paper, "the back end after the MM-LINS paper (fusion: paper or single)"),
   };
 }
 

@@ -6,6 +6,7 @@
 #include "mmlins/graph/optimize.hpp"
 #include "mmlins/keyframe/keyframe_builder.hpp"
 #include "mmlins/keyframe/submap.hpp"
+#include "mmlins/mapping/paper_config.hpp"
 #include "mmlins/place/place_descriptor.hpp"
 #include "mmlins/registration/search_around.hpp"
 #include "mmlins/registration/verify.hpp"
@@ -58,8 +59,13 @@ struct MergeConfig {
   [[nodiscard]] Fields fields();
 };
 
+/// How maps become one: as this project does it; as the MM-LINS paper does it; the same with a single similarity
+/// constraint; not at all.
+enum class FusionKind { kDefault, kPaper, kSingle, kOff };
+
 struct MappingConfig {
   bool enabled = true;
+  FusionKind fusion = FusionKind::kDefault;
   keyframe::KeyframeConfig keyframe;
   keyframe::SubmapConfig submap;
   place::PlaceConfig place;
@@ -69,6 +75,7 @@ struct MappingConfig {
   LinkConfig link;
   LoopConfig loop;
   MergeConfig merge;
+  PaperFusionConfig paper;
 
   [[nodiscard]] Fields fields();
 };
