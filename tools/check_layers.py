@@ -21,7 +21,8 @@ WRAPPED = {
     "zlib.h": ["src/mmlins/atlas"],
     "rosbag": ["src/mmlins/io"],
     "ros": ["src/mmlins/io"],
-    "nlohmann": ["src/mmlins/pipeline", "apps"],
+    "nlohmann": ["src/mmlins/pipeline", "src/mmlins/report", "apps"],
+    "png.h": ["src/mmlins/report"],
     "CLI": ["apps"],
 }
 CODE = {".hpp", ".cpp", ".h", ".cc"}

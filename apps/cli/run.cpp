@@ -14,6 +14,7 @@
 #include "mmlins/config/yaml_config.hpp"
 #include "mmlins/io/open_dataset.hpp"
 #include "mmlins/pipeline/run_files.hpp"
+#include "run_report.hpp"
 
 namespace mmlins::cli {
 namespace {
@@ -23,6 +24,7 @@ struct RunOptions {
   std::string rig_file;
   std::string config_file;
   std::string out = "mmlins_out";
+  std::string truth_file;
   std::vector<std::string> overrides;
   int num_threads = 0;
 };
@@ -105,6 +107,8 @@ int run(const RunOptions& options) {
   pipeline::SlamConfig config;
   if (Status status = load(options, rig, config); !status) return fail(status.error());
   parallel::set_num_threads(options.num_threads);
+  const auto truth = read_truth(options.truth_file);
+  if (!truth) return fail(truth.error());
   auto opened = io::open_dataset(options.recording, rig);
   if (!opened) return fail(opened.error());
   const bool is_new_folder = !std::filesystem::exists(options.out);
@@ -129,6 +133,8 @@ int run(const RunOptions& options) {
   const pipeline::RunSource source{options.recording, rig.lidar_topic, rig.imu_topic, parallel::num_threads()};
   if (Status status = pipeline::write_run(options.out, result, source, rig, config); !status) return fail(status.error());
   print_result(options, result);
+  const report::ReportInput shown{result, source, rig, config, &opened->info};
+  if (Status status = write_report(options.out, shown, *truth, options.truth_file); !status) return fail(status.error());
   if (!result.read_error.empty()) {
     return fail(make_error(ErrorCode::kIo, "{}; what came before it was saved", result.read_error));
   }
@@ -149,6 +155,7 @@ void add_run(CLI::App& program, int& exit_code) {
   command->add_option("--config", options->config_file, "parameters of the method (YAML); hardly ever needed");
   command->add_option("--set", options->overrides, "one parameter, as group.key=value; may be repeated");
   command->add_option("--out", options->out, "output folder")->capture_default_str();
+  command->add_option("--truth", options->truth_file, "the true trajectory (TUM), to show errors in the report");
   command->add_option("--threads", options->num_threads, "threads to use; 0: all cores. The result is the same")
       ->check(CLI::Range(0, 1024));
   command->callback([options, &exit_code] { exit_code = run(*options); });
