@@ -8,7 +8,7 @@ namespace mmlins::mapping {
 
 std::unique_ptr<BackEndMapper> make_mapper(const MappingConfig& config, keyframe::KeyframeStore& store) {
   const bool is_paper = config.fusion == FusionKind::kPaper || config.fusion == FusionKind::kSingle;
-  if (is_paper) return std::make_unique<PaperMapper>(config, store);
+  if (config.enabled && is_paper) return std::make_unique<PaperMapper>(config, store);
   return std::make_unique<Mapper>(config, store);
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-// What every back end does: keyframes go in, in order; where each of them lies in the world comes out, with what was
-// recognised on the way. It owns no thread and never talks back to the odometry.
+// What every back end does: keyframes go in, in order; where each of them lies in the world comes out, with
+// what was recognised on the way. It owns no thread and never talks back to the odometry.
 
 #include <memory>
 #include <vector>
@@ -52,6 +52,7 @@ class BackEndMapper {
 
 /// The back end that the configuration names.
 /// @param store  where the keyframes are, each before it is added
-[[nodiscard]] std::unique_ptr<BackEndMapper> make_mapper(const MappingConfig& config, keyframe::KeyframeStore& store);
+[[nodiscard]] std::unique_ptr<BackEndMapper> make_mapper(const MappingConfig& config,
+                                                         keyframe::KeyframeStore& store);
 
 }  // namespace mmlins::mapping

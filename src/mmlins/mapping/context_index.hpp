@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-// Scan Contexts of single keyframes, and the search for a similar one, as the Scan Context paper has it: ring keys choose
-// a few, and these are compared. docs/math/place.md, "The baseline".
+// Scan Contexts of single keyframes, and the search for a similar one, as the Scan Context paper has it: ring
+// keys choose a few, and these are compared. docs/math/place.md, "The baseline".
 
 #include <functional>
 #include <optional>
@@ -27,7 +27,8 @@ class ContextIndex {
   }
   void add(int keyframe, place::ScanContext context);
 
-  /// The keyframe most like the query among those that are eligible; none if none is nearer than `max_distance`.
+  /// The keyframe most like the query among those that are eligible; none if none is nearer than
+  /// `max_distance`.
   [[nodiscard]] std::optional<ContextHit> find(const place::ScanContext& query, double max_distance,
                                                const std::function<bool(int keyframe)>& is_eligible) const;
 

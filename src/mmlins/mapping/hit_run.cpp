@@ -16,8 +16,9 @@ bool is_consistent(const HitRun& run, int threshold) { return static_cast<int>(r
 HitRun latest_pairs(const HitRun& run, int count) {
   const auto skipped = std::max<std::ptrdiff_t>(0, static_cast<std::ptrdiff_t>(run.size()) - count);
   HitRun pairs(run.begin() + skipped, run.end());
-  const auto best = std::min_element(pairs.begin(), pairs.end(),
-                                     [](const SimilarPair& a, const SimilarPair& b) { return a.distance < b.distance; });
+  const auto best =
+      std::min_element(pairs.begin(), pairs.end(),
+                       [](const SimilarPair& a, const SimilarPair& b) { return a.distance < b.distance; });
   if (best != pairs.end()) std::rotate(pairs.begin(), best, best + 1);
   return pairs;
 }

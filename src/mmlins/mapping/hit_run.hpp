@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-// The temporal consistency of the MM-LINS paper, its Eq. (3): one similar keyframe may be chance; many in a row are not.
+// The temporal consistency of the MM-LINS paper, its Eq. (3): one similar keyframe may be chance; many in a
+// row are not.
 
 #include <optional>
 #include <vector>

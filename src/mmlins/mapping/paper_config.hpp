@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-// Parameters of the back end after the MM-LINS paper, which gives hardly any: where it is silent they are those of its
-// published code. docs/math/mapping.md, "After the paper".
+// Parameters of the back end after the MM-LINS paper, which gives hardly any: where it is silent they are
+// those of its published code. docs/math/mapping.md, "After the paper".
 
 #include "mmlins/base/config_fields.hpp"
 #include "mmlins/place/scan_context.hpp"

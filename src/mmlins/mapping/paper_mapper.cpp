@@ -37,7 +37,9 @@ graph::OptimizerConfig plain(graph::OptimizerConfig config) {
 }
 
 /// The same place, turned as the Scan Contexts say.
-SE3 start_of(const SimilarPair& pair) { return {math::so3_exp({0.0, 0.0, pair.yaw}), math::Vector3d::Zero()}; }
+SE3 start_of(const SimilarPair& pair) {
+  return {math::so3_exp({0.0, 0.0, pair.yaw}), math::Vector3d::Zero()};
+}
 
 PaperFusionConfig config_of(const MappingConfig& config) {
   PaperFusionConfig paper = config.paper;
@@ -92,7 +94,8 @@ void PaperMapper::detect_loop(int keyframe, const place::ScanContext& context) {
   optimize();
 }
 
-// "Similarity detection takes place in the sequence of sleeping maps", with the temporal consistency of Eq. (3).
+// "Similarity detection takes place in the sequence of sleeping maps", with the temporal consistency of Eq.
+// (3).
 void PaperMapper::detect_similarity(int keyframe, const place::ScanContext& context) {
   Stopwatch stopwatch;
   const int num_needed = std::max(config_.consecutive_hits + 1, config_.num_constraints);
@@ -127,8 +130,9 @@ bool PaperMapper::fuse(int sleeping_map, const HitRun& pairs) {
   const SE3 T_sleeping_active = graph_.T_world_keyframe(closure.target) * closure.T_target_source *
                                 graph_.T_world_keyframe(closure.source).inverse();
 
-  // "Apply T_a^s to all keyframe poses and point clouds": points hang on their keyframes. The frame of the earlier map is
-  // kept, whichever of them is active: the other way round the same picture is only seen from elsewhere.
+  // "Apply T_a^s to all keyframe poses and point clouds": points hang on their keyframes. The frame of the
+  // earlier map is kept, whichever of them is active: the other way round the same picture is only seen from
+  // elsewhere.
   const int active = graph_.world_of(latest_map_), sleeping = graph_.world_of(sleeping_map);
   Merge merge;
   merge.id = static_cast<int>(merges_.size());
@@ -138,7 +142,8 @@ bool PaperMapper::fuse(int sleeping_map, const HitRun& pairs) {
   merge.T_new_old = merge.world == active ? T_sleeping_active : T_sleeping_active.inverse();
   merge.num_keyframes = graph_.num_keyframes();
   graph_.move_world(merge.world, merge.T_new_old);
-  // "Completely discard the priori constraint" of M_a: as one world they have one fixed anchor, that of the earlier map.
+  // "Completely discard the priori constraint" of M_a: as one world they have one fixed anchor, that of the
+  // earlier map.
   graph_.join(merge.world, merge.into);
 
   // Similarity constraints, Eq. (8), or as many as enhance them, Eq. (9).
@@ -152,13 +157,14 @@ bool PaperMapper::fuse(int sleeping_map, const HitRun& pairs) {
   }
   ++revision_;
   optimize();
-  log::info("map {} is joined to map {} by {} similarity constraints, after the paper", merge.world, merge.into,
-            1 + merge.enhancing.size());
+  log::info("map {} is joined to map {} by {} similarity constraints, after the paper", merge.world,
+            merge.into, 1 + merge.enhancing.size());
   merges_.push_back(std::move(merge));
   return true;
 }
 
-std::optional<std::size_t> PaperMapper::examine(const SimilarPair& pair, const SE3& T_target_source, const IcpConfig& icp) {
+std::optional<std::size_t> PaperMapper::examine(const SimilarPair& pair, const SE3& T_target_source,
+                                                const IcpConfig& icp) {
   Stopwatch stopwatch;
   const auto source = around(pair.source);
   auto target = around(pair.target);
@@ -180,7 +186,8 @@ std::optional<std::size_t> PaperMapper::examine(const SimilarPair& pair, const S
   const bool fits = fit.iterations > 0 && fit.fitness <= icp.max_fitness;
   closure.state = fits ? ClosureState::kWaiting : ClosureState::kRefused;
   closure.score = 1.0 - pair.distance;
-  closure.T_target_source = target->T_keyframe_points * fit.T_target_source * source->T_keyframe_points.inverse();
+  closure.T_target_source =
+      target->T_keyframe_points * fit.T_target_source * source->T_keyframe_points.inverse();
   closure.information = Matrix6d::Identity() / config_.closure_variance;
   closure.residual_rms = std::sqrt(fit.fitness);
   closure.moved = -1.0;

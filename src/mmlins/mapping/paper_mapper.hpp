@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-// The reference: the back end as the MM-LINS paper has it. Scan Context of single keyframes, hits in a row, ICP, constant
-// noise, and every fusion is final. docs/math/mapping.md, "After the paper", says where the paper is silent or wrong and
-// what was chosen there.
+// The reference: the back end as the MM-LINS paper has it. Scan Context of single keyframes, hits in a row,
+// ICP, constant noise, and every fusion is final. docs/math/mapping.md, "After the paper", says where the
+// paper is silent or wrong and what was chosen there.
 
 #include <map>
 #include <optional>
@@ -46,7 +46,8 @@ class PaperMapper final : public BackEndMapper {
   /// Registers the keyframes of a pair and files the verdict.
   /// @param T_target_source  the guess
   /// @return the number of its closure, refused or not; none if points cannot be read
-  std::optional<std::size_t> examine(const SimilarPair& pair, const math::SE3& T_target_source, const IcpConfig& icp);
+  std::optional<std::size_t> examine(const SimilarPair& pair, const math::SE3& T_target_source,
+                                     const IcpConfig& icp);
   [[nodiscard]] std::optional<Surroundings> around(int keyframe);
   /// T_target_source as the graph has it.
   [[nodiscard]] math::SE3 predicted(const SimilarPair& pair) const;

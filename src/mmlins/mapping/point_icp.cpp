@@ -45,7 +45,8 @@ struct Pairs {
 
 }  // namespace
 
-NearestPoint::NearestPoint(std::vector<Eigen::Vector3f> points) : points_(std::move(points)), axes_(points_.size(), 0) {
+NearestPoint::NearestPoint(std::vector<Eigen::Vector3f> points)
+    : points_(std::move(points)), axes_(points_.size(), 0) {
   split(0, points_.size());
 }
 
@@ -68,7 +69,8 @@ void NearestPoint::split(std::size_t first, std::size_t last) {
   split(middle + 1, last);
 }
 
-void NearestPoint::search(std::size_t first, std::size_t last, const Eigen::Vector3f& query, Found& best) const {
+void NearestPoint::search(std::size_t first, std::size_t last, const Eigen::Vector3f& query,
+                          Found& best) const {
   const auto look_at = [&](std::size_t i) {
     const float distance2 = (points_[i] - query).squaredNorm();
     if (distance2 < best.distance2) best = {points_[i], distance2};
@@ -92,8 +94,8 @@ NearestPoint::Found NearestPoint::find(const Eigen::Vector3f& query) const {
   return best;
 }
 
-IcpResult register_points(std::span<const Eigen::Vector3f> source, const NearestPoint& target, const SE3& T_target_source,
-                          const IcpConfig& config) {
+IcpResult register_points(std::span<const Eigen::Vector3f> source, const NearestPoint& target,
+                          const SE3& T_target_source, const IcpConfig& config) {
   IcpResult result{.T_target_source = T_target_source};
   const auto reach2 = static_cast<float>(config.reach * config.reach);
   while (result.iterations < config.max_iterations && !result.converged) {
@@ -114,7 +116,8 @@ IcpResult register_points(std::span<const Eigen::Vector3f> source, const Nearest
     const Vector3d p_target = result.T_target_source * p.cast<double>();
     sum += static_cast<double>(target.find(p_target.cast<float>()).distance2);
   }
-  result.fitness = source.empty() ? std::numeric_limits<double>::infinity() : sum / static_cast<double>(source.size());
+  result.fitness =
+      source.empty() ? std::numeric_limits<double>::infinity() : sum / static_cast<double>(source.size());
   return result;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-// The reference: point-to-point ICP (Besl and McKay, PAMI 1992), as the MM-LINS paper has it. The back end as it is by
-// default registers by surfaces instead (registration/).
+// The reference: point-to-point ICP (Besl and McKay, PAMI 1992), as the MM-LINS paper has it. The back end as
+// it is by default registers by surfaces instead (registration/).
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -34,7 +34,8 @@ class NearestPoint {
 
 struct IcpResult {
   math::SE3 T_target_source;
-  double fitness = 0.0;  ///< mean squared distance of all source points from their nearest target points [m^2]
+  double fitness =
+      0.0;  ///< mean squared distance of all source points from their nearest target points [m^2]
   int iterations = 0;
   bool converged = false;  ///< false: it was still moving, or had no pairs to move by
 };
