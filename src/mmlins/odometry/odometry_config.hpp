@@ -74,7 +74,7 @@ struct StartConfig {
 struct RestartConfig {
   double max_drift = 1.0;
   double max_drift_deg = 5.0;
-  double unexplained = 0.7;
+  double unexplained = 0.6;
   double trial = 0.6;
   double patience = 3.0;
   double pose_deviation = 0.005;

@@ -19,6 +19,7 @@ namespace mmlins::odometry {
 namespace {
 
 constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
+constexpr int kPatience = 4;
 
 std::unique_ptr<spatial::LocalMap> make_map(const LocalMapConfig& config, double range_noise) {
   if (config.kind == MapKind::kKnn) return std::make_unique<spatial::KnnMap>(config.knn, range_noise);
@@ -189,6 +190,9 @@ ScanTracker::Match ScanTracker::match(const Prepared& prepared, const imu::Estim
   if (result.is_first) return result;
   LidarMeasurement measurement(prepared.keypoints.points, {*map_, T_odom_map_.inverse()}, config_.matching,
                                {rig_.bearing_noise_deg * kRadiansPerDegree, rig_.T_imu_lidar().t});
+  // Who returns from afar has a long way to the right place, and half of it would be believed as firmly.
+  const bool from_afar = is_bridging_ && drift_of(prior).position > config_.trust.doubtful_drift;
+  const int max_iterations = config_.matching.max_iterations * (from_afar ? kPatience : 1);
   // What the scan determines is settled once, where the IMU predicts the pose: it must not flicker from
   // iteration to iteration.
   bool is_analysed = false;
@@ -210,7 +214,7 @@ ScanTracker::Match ScanTracker::match(const Prepared& prepared, const imu::Estim
         information.b = soft.b;
         return information;
       },
-      {.max_iterations = config_.matching.max_iterations, .min_residuals = config_.matching.min_matches});
+      {.max_iterations = max_iterations, .min_residuals = config_.matching.min_matches});
   result.has_update = result.update.status != filter::UpdateStatus::kTooFewResiduals;
   if (!result.has_update) result.observability = {};
   if (result.has_update && config_.detector != DetectorKind::kDefault) {
@@ -275,9 +279,11 @@ void ScanTracker::call_the_pose(const math::SE3& T_odom_imu) {
   agreement_.clear();
 }
 
-ScanTracker::Drift ScanTracker::drift() const {
-  return {largest_deviation(estimate_.P, imu::kPosition) - largest_deviation(last_trusted_.P, imu::kPosition),
-          largest_deviation(estimate_.P, imu::kRotation) - largest_deviation(last_trusted_.P, imu::kRotation)};
+ScanTracker::Drift ScanTracker::drift() const { return drift_of(estimate_); }
+
+ScanTracker::Drift ScanTracker::drift_of(const imu::Estimate& estimate) const {
+  return {largest_deviation(estimate.P, imu::kPosition) - largest_deviation(last_trusted_.P, imu::kPosition),
+          largest_deviation(estimate.P, imu::kRotation) - largest_deviation(last_trusted_.P, imu::kRotation)};
 }
 
 bool ScanTracker::is_collapsed(const ScanResult& result) const {

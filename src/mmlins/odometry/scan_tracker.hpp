@@ -77,6 +77,7 @@ class ScanTracker {
     bool has_update = false;
     bool is_first = false;  ///< there is no map yet
   };
+  [[nodiscard]] Drift drift_of(const imu::Estimate& estimate) const;
   [[nodiscard]] Motion propagate_to(Time time, const sensor::ImuBuffer& imu) const;
   [[nodiscard]] Prepared prepare(const sensor::LidarScan& scan, const Motion& motion, StageTimes& times) const;
   [[nodiscard]] Match match(const Prepared& prepared, const imu::Estimate& prior) const;
