@@ -102,8 +102,10 @@ void LidarInertialOdometry::look_for_a_way_on(const ScanPointer& scan, const imu
   const double range_before = std::exchange(last_range_, result.median_range);
   const bool abrupt = std::min(range_before, result.median_range) < kGradual * std::max(range_before, result.median_range);
   const bool changes = std::exchange(was_collapsed_, collapsed) != collapsed && abrupt;
-  if (blind) unexplained_since_.reset();
-  if (blind || changes) {
+  // Under a cover nothing tells of the old map yet: while the IMU may still carry the pose, it is worth waiting for.
+  const bool waits_for_sight = blind || (collapsed && !asleep_);
+  if (waits_for_sight) unexplained_since_.reset();
+  if (waits_for_sight || changes) {
     num_failed_trials_ = 0;
     restart_.reset();
     return;
@@ -128,9 +130,12 @@ bool LidarInertialOdometry::try_new_map(const ScanPointer& scan, const imu::Esti
   }
   if (asleep_ && !collapsed) result.state = TrackingState::kRelocating;
   if (progress == Restart::Progress::kOnTrial) return false;
-  const bool waits = !asleep_ && unexplained_since_ &&
-                     result.time - *unexplained_since_ < from_seconds(config_.restart.unexplained);
-  if (waits) return false;
+  if (!asleep_ && unexplained_since_) {
+    // Where the pose cannot be far off, what the map does not explain is in its way rather than elsewhere.
+    const bool near = tracker_->drift().position < config_.trust.doubtful_drift;
+    const double wait = near ? config_.restart.unexplained_near : config_.restart.unexplained;
+    if (result.time - *unexplained_since_ < from_seconds(wait)) return false;
+  }
   if (!asleep_) fall_asleep(result.cause);
   result.state = TrackingState::kRelocating;
   wake_in_new_map();

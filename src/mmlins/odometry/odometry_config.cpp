@@ -76,6 +76,8 @@ Fields RestartConfig::fields() {
       field("unexplained", unexplained, "s", {0.0, 60.0},
             "a new map that has proved itself takes over after this much of seeing what the old one does not explain, even "
             "within the budget"),
+      field("unexplained_near", unexplained_near, "s", {0.0, 60.0},
+            "the same while the pose may not have drifted by trust.doubtful_drift"),
       field("trial", trial, "s", {0.2, 60.0}, "a new map must prove itself for this long"),
       field("patience", patience, "s", {0.2, 600.0}, "after this much of not proving itself the trial begins anew"),
       field("pose_deviation", pose_deviation, "m", {0.0, 1.0},

@@ -75,6 +75,7 @@ struct RestartConfig {
   double max_drift = 1.0;
   double max_drift_deg = 5.0;
   double unexplained = 0.6;
+  double unexplained_near = 1.7;
   double trial = 0.6;
   double patience = 3.0;
   double pose_deviation = 0.005;

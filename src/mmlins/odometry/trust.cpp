@@ -67,6 +67,8 @@ Cause TrustJudge::reason_to_refuse(const Evidence& evidence) const {
   const bool absent =
       was_contradicted_ || (last_trusted_ && evidence.time - *last_trusted_ > from_seconds(config_.short_absence));
   const bool doubtful = was_contradicted_ || (absent && evidence.drift > config_.doubtful_drift);
+  // A few points find a few planes anywhere: to return, the sensor must see as far as it did.
+  if (doubtful && has_collapsed(evidence)) return Cause::kBlocked;
   const double share = doubtful ? config_.min_explained_again : config_.min_explained;
   const auto usual = explained_.median();
   if (usual && evidence.explained < share * *usual) return unexplained;
