@@ -142,6 +142,16 @@ TEST(TrustJudge, AsksForMoreAfterAnAbsenceInWhichThePoseMayHaveDrifted) {
   expect_believed(experienced(3.0), evidence);
 }
 
+TEST(TrustJudge, DoesNotReturnOnAScanThatHasShrunkWhileThePoseIsInDoubt) {
+  // Under a cover a few planes fit the map by chance; before the pose is in doubt they may be believed.
+  Evidence shrunken = usual_scan(9.0);
+  shrunken.num_points = 400;
+  shrunken.drift = 0.1;
+  expect_believed(experienced(), shrunken);
+  shrunken.drift = 0.5;
+  expect_refused(experienced(), shrunken, Cause::kBlocked);
+}
+
 TEST(TrustJudge, RefusesAReturnToWhereTheImuCannotHaveGone) {
   const TrustConfig config;
   Evidence evidence = usual_scan(3.0 + 1.1 * config.short_absence);
