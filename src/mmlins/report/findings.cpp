@@ -8,12 +8,18 @@
 namespace mmlins::report {
 namespace {
 
+constexpr double kUsable = 1.0;  // a map that is placed worse must not be relied on [m]
+
 using odometry::TrackingState;
 using pipeline::RunResult;
 
 /// The same word with an s unless it is one.
 std::string counted(std::ptrdiff_t count, const std::string& one) {
   return count == 1 ? "1 " + one : fmt::format("{} {}s", count, one);
+}
+
+std::string times_text(std::ptrdiff_t count) {
+  return count == 1 ? "once" : count == 2 ? "twice" : fmt::format("{} times", count);
 }
 
 std::string joined(const std::vector<std::string>& parts) {
@@ -57,7 +63,7 @@ void find_reading_faults(const ReportInput& input, std::vector<Finding>& list) {
                                       " left out: duplicate or too late."});
   }
   if (result.num_clock_jumps > 0) {
-    list.push_back({Level::kWarning, "The clock of the recording was set back " + counted(result.num_clock_jumps, "time") +
+    list.push_back({Level::kWarning, "The clock of the recording was set back " + times_text(result.num_clock_jumps) +
                                          "; later stamps were shifted so that time goes on."});
   }
 }
@@ -97,12 +103,14 @@ void find_carried(const RunResult& result, std::vector<Finding>& list) {
   }
 }
 
-std::string drift_text(const odometry::MapRecord& map) {
-  if (!map.gap) return "";
-  if (!map.gap->is_known) return "the IMU was silent in the gap before it: where it lies is not known";
-  return fmt::format("placed only by what the IMU felt in the gap of {:.1f} s before it, to about {:.2g} m",
-                     to_seconds(map.gap->first - map.gap->last),
-                     map.gap->covariance.diagonal().tail<3>().cwiseMax(0.0).cwiseSqrt().maxCoeff());
+/// How well a map that was joined to no other is placed.
+Finding placement_of(const odometry::MapRecord& map) {
+  if (!map.gap) return {Level::kBad, "nothing tells where it lies"};
+  if (!map.gap->is_known) return {Level::kBad, "the IMU was silent in the gap before it, so nobody knows where it lies"};
+  const double std = map.gap->covariance.diagonal().tail<3>().cwiseMax(0.0).cwiseSqrt().maxCoeff();
+  return {std > kUsable ? Level::kBad : Level::kWarning,
+          fmt::format("what the IMU felt tells where it lies, over the {:.1f} s before it to about {:.2g} m",
+                      to_seconds(map.gap->first - map.gap->last), std)};
 }
 
 void find_maps_apart(const RunResult& result, std::vector<Finding>& list) {
@@ -115,9 +123,9 @@ void find_maps_apart(const RunResult& result, std::vector<Finding>& list) {
     }
     const bool one = names.size() == 1;
     const auto first = static_cast<std::size_t>(world);
-    const std::string drift = first < result.maps.size() ? drift_text(result.maps[first]) : "";
-    list.push_back({Level::kBad, fmt::format("Map{} {} {} recognised in map {}{}{}.", one ? "" : "s", joined(names),
-                                             one ? "was never" : "were never", *worlds.begin(), drift.empty() ? "" : "; ", drift)});
+    const Finding placement = first < result.maps.size() ? placement_of(result.maps[first]) : Finding{Level::kBad, "it is lost"};
+    list.push_back({placement.level, fmt::format("Map{} {} {} never recognised in map {}: {}.", one ? "" : "s", joined(names),
+                                                 one ? "was" : "were", *worlds.begin(), placement.text)});
   }
 }
 
@@ -151,7 +159,7 @@ void find_topic_gaps(const ReportInput& input, std::vector<Finding>& list) {
   for (const io::TopicInfo& topic : input.recording->topics) {
     if ((topic.name != input.source.imu_topic && topic.name != input.source.lidar_topic) || topic.timing.num_gaps == 0) continue;
     list.push_back({Level::kNote, fmt::format("{} pauses {} for more than three periods, at most for {:.2f} s.", topic.name,
-                                              counted(topic.timing.num_gaps, "time"), to_seconds(topic.timing.longest_gap))});
+                                              times_text(topic.timing.num_gaps), to_seconds(topic.timing.longest_gap))});
   }
 }
 
@@ -162,13 +170,13 @@ Finding headline_of(const RunResult& result, Level worst) {
   if (!result.read_error.empty()) return {Level::kBad, "The recording could not be read to its end."};
   if (!is_placed(result.scans.back().state)) return {Level::kBad, "The pose was lost and not found again before the end."};
   if (num_worlds > 1) {
-    return {Level::kBad, fmt::format("The pose was lost {}, and not everything was joined again: {} in {} pieces.",
-                                     counted(num_maps - 1, "time"), counted(num_maps, "map"), num_worlds)};
+    return {worst, fmt::format("The pose was lost {}, and not everything was joined again: {} maps in {} pieces.",
+                               times_text(num_maps - 1), num_maps, num_worlds)};
   }
   if (!result.mapping.error.empty()) return {Level::kBad, "The odometry is complete, the back end is not."};
   if (num_maps > 1) {
-    return {Level::kWarning, fmt::format("The pose was lost {}, and all {} maps were joined again into one.",
-                                         counted(num_maps - 1, "time"), num_maps)};
+    return {Level::kWarning, fmt::format("The pose was lost {}, and {} maps were joined again into one.",
+                                         times_text(num_maps - 1), num_maps == 2 ? "both" : fmt::format("all {}", num_maps))};
   }
   if (carried > 0) {
     return {Level::kWarning, fmt::format("One map; the IMU bridged {:.1f} s without a usable scan.",

@@ -29,16 +29,25 @@ ErrorSeries series_of(const pipeline::RunResult& result, const eval::PosePairs& 
   return series;
 }
 
+// A straight drive does not determine a roll about itself; then heading and place must do.
+Result<eval::Evaluation> evaluate(const math::Trajectory& truth, const math::Trajectory& estimate, const std::string& file) {
+  auto evaluation = eval::evaluate(truth, estimate, eval::Alignment::kSe3);
+  if (!evaluation) evaluation = eval::evaluate(truth, estimate, eval::Alignment::kYaw);
+  if (evaluation) return evaluation;
+  const std::string& reason = evaluation.error().message;
+  return make_error(evaluation.error().code, "{}: {}", file, reason.substr(0, reason.find("; use --align")));
+}
+
 }  // namespace
 
 Result<TruthComparison> compare_with_truth(const pipeline::RunResult& result, const math::Trajectory& truth,
                                            const std::string& file) {
   const math::Trajectory odometry = poses_of(result, &pipeline::ScanRecord::T_odom_imu);
   const math::Trajectory trajectory = poses_of(result, &pipeline::ScanRecord::T_world_imu);
-  auto of_odometry = eval::evaluate(truth, odometry, eval::Alignment::kSe3);
-  if (!of_odometry) return make_error(of_odometry.error().code, "{}: {}", file, of_odometry.error().message);
-  auto of_trajectory = eval::evaluate(truth, trajectory, eval::Alignment::kSe3);
-  if (!of_trajectory) return make_error(of_trajectory.error().code, "{}: {}", file, of_trajectory.error().message);
+  const auto of_odometry = evaluate(truth, odometry, file);
+  if (!of_odometry) return of_odometry.error();
+  const auto of_trajectory = evaluate(truth, trajectory, file);
+  if (!of_trajectory) return of_trajectory.error();
   TruthComparison comparison{file, *of_odometry, *of_trajectory, {}, {}, {}};
   comparison.odometry_errors = series_of(result, eval::match_poses(truth, odometry), of_odometry->T_truth_estimate);
   const eval::PosePairs pairs = eval::match_poses(truth, trajectory);

@@ -25,7 +25,8 @@ struct TruthComparison {
   std::vector<math::Vector3d> path_world;  ///< true positions at the scans, in the frame of the first map; of those covered
 };
 
-/// Compares both trajectories of the run with the truth, each aligned by rotation and translation.
+/// Compares both trajectories of the run with the truth, each aligned by rotation and translation; by
+/// heading and translation where its path, a straight line, does not determine more.
 /// Errors, one line: no common time, too few common poses, a path that does not determine the alignment.
 /// @param file  what to call the truth
 [[nodiscard]] Result<TruthComparison> compare_with_truth(const pipeline::RunResult& result, const math::Trajectory& truth,

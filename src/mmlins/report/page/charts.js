@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Lines over time, with axes, limits, the stretches that the IMU carried, and a readout.
 
-const margin = {left: 56, right: 12, top: 8, bottom: 22};
+const margin = {left: 62, right: 12, top: 8, bottom: 22};
 
 function timeScale(width) {
   const room = width - margin.left - margin.right;
@@ -100,7 +100,8 @@ function lineChart(container, options) {
   for (const s of options.series) s.factor = s.factor || 1;
   const legend = el('div', {class: 'legend'});
   const plot = el('div', {class: 'plot'});
-  container.append(el('div', {class: 'chart'}, el('h3', {}, `${options.title} [${options.unit}]`), legend, plot));
+  container.append(el('div', {class: 'chart'}, el('div', {class: options.series.length > 1 ? 'head several' : 'head'}, el('h3', {}, options.unit ? `${options.title} [${options.unit}]` : options.title), legend), plot));
+  const alone = options.series.length === 1;
   let scale = null;
   let mark = null;
   drawing(() => {
@@ -132,7 +133,7 @@ function lineChart(container, options) {
     plot.replaceChildren(picture);
   });
   cursorFollowers.push((t) => {
-    legend.replaceChildren(...options.series.map((s) => key(s.colour, s.label, t === null ? '' : readout(s, t, options.unit))));
+    legend.replaceChildren(...options.series.map((s) => (alone && t === null ? '' : key(s.colour, alone ? '' : s.label, t === null ? '' : readout(s, t)))));
     if (t === null) { mark.setAttribute('visibility', 'hidden'); return; }
     mark.setAttribute('visibility', 'visible');
     mark.setAttribute('x1', scale.at(t));
@@ -140,12 +141,12 @@ function lineChart(container, options) {
   });
 }
 
-function readout(s, t, unit) {
+function readout(s, t) {
   if (s.curve.t.length === 0) return '\u2013';
   let i = indexAt(s.curve.t, t);
   if (i + 1 < s.curve.t.length && s.curve.t[i + 1] - t < t - s.curve.t[i]) ++i;
   const value = s.curve.y[i];
-  return value === null ? '\u2013' : `${significant(value >= infinite ? infinite : value * s.factor)} ${unit}`;
+  return value === null ? '\u2013' : significant(value >= infinite ? infinite : value * s.factor);
 }
 
 /** Bars of equal steps from 0 on. */

@@ -3,7 +3,7 @@
 
 const picture = data.picture;
 const path = data.path;
-const mapView = {colour: data.maps.length > 1 ? 'map' : 'state', zoom: 1, x: 0, y: 0,
+const mapView = {highlight: new Set(), colour: data.maps.length > 1 ? 'map' : 'state', zoom: 1, x: 0, y: 0,
   layers: {points: true, height: false, closures: true, truth: true, refused: false}};
 const extentX = picture.width * picture.metres_per_pixel;
 const extentY = picture.height * picture.metres_per_pixel;
@@ -40,8 +40,9 @@ function positionAt(t) {
 }
 
 function chooseView(width) {
-  const scale = Math.min(width / extentX, Math.max(260, Math.min(720, 0.8 * width)) / extentY);
-  const height = Math.max(200, Math.min(extentY * scale, 720));
+  const mostHeight = printing ? 500 : Math.max(280, Math.min(720, 0.8 * width, 0.86 * window.innerHeight));
+  const scale = Math.min(width / extentX, mostHeight / extentY);
+  const height = Math.max(200, Math.min(extentY * scale, mostHeight));
   const fit = {left: (width - extentX * scale) / 2, top: (height - extentY * scale) / 2};
   const view = printing ? {zoom: 1, x: 0, y: 0} : mapView;
   const zoomed = scale * view.zoom;
@@ -67,7 +68,7 @@ function drawPoints(root) {
   if (!mapView.layers.points) return;
   root.append(svg('image', {href: `data:image/png;base64,${picture.png}`, x: toView.left, y: toView.top,
     width: extentX * toView.scale, height: extentY * toView.scale, preserveAspectRatio: 'none',
-    filter: mapView.layers.height ? 'url(#height)' : 'url(#ink)', opacity: mapView.layers.height ? 0.9 : 0.55}));
+    filter: mapView.layers.height ? 'url(#height)' : 'url(#ink)', style: `opacity:${mapView.layers.height ? 0.9 : 'var(--points)'}`}));
 }
 
 function drawTruth(root) {
@@ -89,6 +90,7 @@ for (const merge of data.merges) {
 }
 
 function closureIsDrawn(c) {
+  if (mapView.highlight.has(c.id)) return true;
   if (!mapView.layers.closures) return false;
   return c.state === 'refused' || c.state === 'confirmed' ? mapView.layers.refused : true;
 }
@@ -101,7 +103,7 @@ function drawClosures(root) {
     const colour = merge ? 'var(--merge)' : look.colour;
     const group = svg('g', {class: 'hit', 'data-closure': c.id},
       svg('line', {x1, y1, x2, y2, stroke: 'transparent', 'stroke-width': 11}),
-      svg('line', {x1, y1, x2, y2, style: `stroke:${colour}`, 'stroke-width': 1.6, 'stroke-dasharray': look.dash}),
+      svg('line', {x1, y1, x2, y2, style: `stroke:${colour}`, 'stroke-width': mapView.highlight.has(c.id) ? 3.5 : 1.3, opacity: 0.85, 'stroke-dasharray': look.dash}),
       svg('circle', {cx: x1, cy: y1, r: 2.6, style: `fill:${colour}`}), svg('circle', {cx: x2, cy: y2, r: 2.6, style: `fill:${colour}`}),
       svg('title', {}, `Closure ${c.id}: ${look.text}`));
     group.addEventListener('click', () => showEvidence(merge ? {kind: 'merge', item: merge} : {kind: 'closure', item: c}));
@@ -112,23 +114,25 @@ function drawClosures(root) {
 function drawWay(root) {
   const strokes = pathStrokes();
   for (const s of strokes) root.append(svg('path', {class: 'line', d: s.d, style: 'stroke:var(--card)', 'stroke-width': 5, opacity: 0.75}));
-  for (const s of strokes) {
+  for (const s of [...strokes].sort((a, b) => a.isCarried - b.isCarried)) {
     root.append(svg('path', {class: 'line', d: s.d, style: `stroke:${s.colour}`, 'stroke-width': 2.4, 'stroke-dasharray': s.isCarried ? '5 5' : 'none'}));
   }
 }
 
 /** Cause of a stretch that the IMU carried, at its middle; short ones get a mark without words. */
 function drawEvents(root) {
-  const taken = [];
+  const last = path.t.length - 1;
+  const taken = [0, last].map((i) => [toView.x(path.x[i]) - 12, toView.y(path.y[i]) - 10, toView.x(path.x[i]) + 44, toView.y(path.y[i]) + 10]);
   for (const event of [...carried].sort((a, b) => (b.to - b.from) - (a.to - a.from))) {
     const [x, y] = positionAt((event.from + event.to) / 2);
     const at = [toView.x(x), toView.y(y)];
     const text = `${[...event.causes].join(', ') || 'carried'}, ${fixed(event.to - event.from, 1)} s`;
+    if (at[0] < 0 || at[1] < 0 || at[0] > toView.width || at[1] > toView.height) continue;
     const half = 3.1 * text.length;
     const box = [at[0] - half, at[1] - 24, at[0] + half, at[1] - 8];
     const group = svg('g', {class: 'hit'}, svg('circle', {cx: at[0], cy: at[1], r: 4.5, style: 'fill:var(--s3);stroke:var(--card)', 'stroke-width': 1.5}),
       svg('title', {}, text));
-    if (!taken.some((o) => box[0] < o[2] && box[2] > o[0] && box[1] < o[3] && box[3] > o[1]) && taken.length < 14) {
+    if (!taken.some((o) => box[0] < o[2] && box[2] > o[0] && box[1] < o[3] && box[3] > o[1]) && taken.length < 16) {
       taken.push(box);
       const x0 = Math.min(Math.max(at[0], half + 4), toView.width - half - 4);
       group.append(svg('text', {class: 'halo', x: x0, y: Math.max(14, at[1] - 11), 'text-anchor': 'middle'}, text));
@@ -280,6 +284,6 @@ function mapControls() {
   append(byId('map-controls'), [el('span', {class: 'switch', role: 'group', 'aria-label': 'Colour of the way'}, ...buttons),
     layerBox('points', 'points'), layerBox('height', 'height'),
     drawnClosures.length > 0 && layerBox('closures', 'closures'),
-    drawnClosures.some((c) => c.state === 'refused' || c.state === 'confirmed') && layerBox('refused', 'and those without effect'),
+    drawnClosures.some((c) => c.state === 'refused' || c.state === 'confirmed') && layerBox('refused', 'without effect too'),
     data.truth && layerBox('truth', 'truth'), el('span', {class: 'switch', role: 'group', 'aria-label': 'Zoom'}, ...zooms)]);
 }

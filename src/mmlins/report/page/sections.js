@@ -45,13 +45,14 @@ function tiles() {
   const c = figures.mapping.closures;
   const factor = figures.real_time_factor;
   append(byId('tiles'), [
-    data.truth && tile('ATE, trajectory', significant(data.truth.trajectory.ate_m.rmse), 'm', `odometry ${significant(data.truth.odometry.ate_m.rmse)} m`, 'ate'),
+    data.truth ? tile('ATE', significant(data.truth.trajectory.ate_m.rmse), 'm', `odometry ${significant(data.truth.odometry.ate_m.rmse)} m`, 'ate')
+      : tile('Duration', ...timeText(figures.duration_s).split(/ (.*)/), `${plural(figures.scans, 'scan')}`, 'duration'),
     tile('Scans placed', placed === figures.scans ? '100' : fixed(Math.min(99.9, 100 * placed / figures.scans), 1), '%', `${grouped(placed)} of ${grouped(figures.scans)}`, 'scans'),
     tile('Path', ...lengthText(figures.path_length_m).split(' '), `in ${timeText(figures.duration_s)}`, 'path'),
     tile('Maps', data.maps.length > 1 ? `${data.maps.length} \u2192 ${worlds}` : '1', '', data.maps.length > 1 ? `${plural(figures.mapping.merges, 'merge')}` : 'never lost', 'maps'),
-    tile('Loop closures', grouped(c.counts), '', `${grouped(Object.values(c).reduce((a, b) => a + b, 0))} examined, ${grouped(figures.mapping.keyframes)} keyframes`, 'closures'),
-    tile('Work per scan', significant(total.mean_ms), 'ms', `99 % within ${significant(total.p99_ms)} ms`, 'work'),
-    tile('Speed', factor > 0 ? significant(1 / factor, 2) : '\u2013', '\u00d7 real time', `${timeText(figures.wall_s)} of work, ${plural(figures.threads, 'thread')}`, 'speed'),
+    tile('Loop closures', grouped(c.counts), '', `of ${grouped(Object.values(c).reduce((a, b) => a + b, 0))} examined`, 'closures'),
+    tile('Work per scan', significant(total.mean_ms), 'ms', `p99 ${significant(total.p99_ms)} ms`, 'work'),
+    tile('Speed', factor > 0 ? significant(1 / factor, 2) : '\u2013', '\u00d7 real time', `on ${plural(figures.threads, 'thread')}`, 'speed'),
     tile('Memory', grouped(figures.peak_memory_mib), 'MiB', `${grouped(figures.map_points)} map points`, 'memory'),
   ]);
 }
@@ -77,7 +78,7 @@ function truthSection() {
   const rows = [['trajectory.tum', data.truth.trajectory], ['odometry.tum', data.truth.odometry]].map(([name, e]) => [name, significant(e.ate_m.rmse), significant(e.ate_m.median), significant(e.ate_m.max),
     significant(e.rotation_deg.rmse), e.rpe_1s_m ? significant(e.rpe_1s_m.rmse) : '\u2013', e.rpe_100m_percent ? significant(e.rpe_100m_percent.rmse) : '\u2013', significant(e.end_to_end_m)]);
   append(byId('truth-table'), [table(['', 'ATE [m]', 'median [m]', 'max [m]', 'rotation [\u00b0]', 'RPE 1 s [m]', 'RPE 100 m [%]', 'end to end [m]'], rows)]);
-  byId('truth-table').after(el('p', {class: 'hint'}, `Against ${data.truth.file}: aligned by rotation and translation, RMSE unless said otherwise; it covers ${fixed(100 * data.truth.coverage_share, 1)} % of the truth.`));
+  byId('truth-table').after(el('p', {class: 'hint'}, `Against ${data.truth.file}: aligned, RMSE unless said otherwise; it covers ${fixed(100 * data.truth.coverage_share, 1)} % of the truth.`));
   const container = byId('truth-charts');
   const series = (what, factor) => [{label: 'trajectory', curve: data.curves[`trajectory_error_${what}`], colour: 'var(--c3)', factor}, {label: 'odometry', curve: data.curves[`odometry_error_${what}`], colour: 'var(--c1)', factor}];
   lineChart(container, {title: 'Position error', unit: 'm', series: series('m', 1), height: 170});
@@ -90,9 +91,9 @@ function observabilitySection() {
   const colours = ['var(--c1)', 'var(--c2)', 'var(--c3)'];
   const series = (letter, what, factor) => colours.map((colour, i) => ({label: `${letter}${i + 1}`, curve: data.curves[`${letter}${i + 1}_${what}`], colour, factor}));
   const l = data.limits;
-  lineChart(container, {title: 'Position, standard deviation', unit: 'm', log: true, series: series('t', 'std', 1), limits: [{value: l.weak_position_m, label: 'weak'}], height: 180});
-  lineChart(container, {title: 'Attitude, standard deviation', unit: '\u00b0', log: true, series: series('r', 'std', degrees), limits: [{value: l.weak_rotation_rad * degrees, label: 'weak'}], height: 180});
-  for (const [letter, title] of [['t', 'Position, share of noise'], ['r', 'Attitude, share of noise']]) {
+  lineChart(container, {title: 'Position std', unit: 'm', log: true, series: series('t', 'std', 1), limits: [{value: l.weak_position_m, label: 'weak'}], height: 180});
+  lineChart(container, {title: 'Attitude std', unit: '\u00b0', log: true, series: series('r', 'std', degrees), limits: [{value: l.weak_rotation_rad * degrees, label: 'weak'}], height: 180});
+  for (const [letter, title] of [['t', 'Position, noise share'], ['r', 'Attitude, noise share']]) {
     lineChart(container, {title, unit: '%', high: 100, series: series(letter, 'noise_share', 100), limits: [{value: 100 * l.weak_noise_share, label: 'weak'}], height: 130});
   }
 }
@@ -101,11 +102,11 @@ function matchSection() {
   const container = byId('matches');
   const one = (title, unit, name, colour, more) => lineChart(container, {title, unit, series: [{label: title.toLowerCase(), curve: data.curves[name], colour, factor: (more || {}).factor}], height: 120, ...more});
   one('Speed', 'm/s', 'speed_m_s', 'var(--c3)');
-  one('Position against the map, standard deviation', 'm', 'std_position_m', 'var(--c1)', {log: true});
-  lineChart(container, {title: 'Points and matches', unit: '1', series: [{label: 'points', curve: data.curves.points, colour: 'var(--c2)'}, {label: 'matches', curve: data.curves.matches, colour: 'var(--c3)'}], height: 120});
+  one('Position against the map, std', 'm', 'std_position_m', 'var(--c1)', {log: true});
+  lineChart(container, {title: 'Points and matches', unit: '', series: [{label: 'points', curve: data.curves.points, colour: 'var(--c2)'}, {label: 'matches', curve: data.curves.matches, colour: 'var(--c3)'}], height: 120});
   one('Explained by the map', '%', 'explained', 'var(--c4)', {factor: 100, high: 100});
   one('Residual of the matches', 'cm', 'residual_rms_m', 'var(--c3)', {factor: 100});
-  one('Disagreement of IMU and LiDAR over 1 s', 'cm', 'disagreement_m', 'var(--c1)', {factor: 100});
+  one('IMU and LiDAR disagree over 1 s by', 'cm', 'disagreement_m', 'var(--c1)', {factor: 100});
 }
 
 function workSection() {
@@ -141,18 +142,18 @@ function recordingSection() {
     t.rate_hz > 0 ? `${significant(t.rate_hz)} Hz` : '\u2013', String(t.gaps), t.gaps > 0 ? `${fixed(t.longest_gap_s, 2)} s` : '\u2013'])))]);
 }
 
-function settingRows(list) {
-  return el('div', {class: 'settings'}, ...list.map((s) => el('div', {}, el('code', {}, s.key),
+function settingRows(list, short) {
+  return el('div', {class: 'settings'}, ...list.map((s) => el('div', {}, el('code', {}, short ? s.key.split('.').pop() : s.key),
     el('span', {}, el('code', {}, `${s.value}${s.unit ? ` ${s.unit}` : ''}`), s.default !== undefined ? el('span', {class: 'was'}, ` (default ${s.default === '' ? 'empty' : s.default})`) : null), el('span', {class: 'meaning'}, s.meaning))));
 }
 
 function settingGroups(list) {
   const groups = new Map();
   for (const s of list) {
-    const name = s.key.split('.').slice(0, -1).slice(0, 2).join('.') || 'general';
+    const name = s.key.split('.').slice(0, -1).join('.') || 'general';
     groups.set(name, [...(groups.get(name) || []), s]);
   }
-  return [...groups].map(([name, members]) => el('details', {}, el('summary', {}, `${name} (${members.length})`), settingRows(members)));
+  return [...groups].map(([name, members]) => el('details', {}, el('summary', {}, `${name} (${members.length})`), settingRows(members, true)));
 }
 
 function configSection() {

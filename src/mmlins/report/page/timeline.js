@@ -151,8 +151,8 @@ function followOnTimeline(t) {
 function timelineLegend() {
   const keys = data.states.map((state, i) => (figures.scans_by_state[state] > 0 ? key(stateColour(i), state, plural(figures.scans_by_state[state], 'scan')) : null));
   if (data.maps.length > 1) keys.push(key('var(--soft)', 'gap that the IMU carried', '', '3 3'));
-  if (data.maps.length > 1) keys.push(el('span', {}, 'thick: awake, thin: asleep, dashed: not joined'));
   if (data.merges.length > 0) keys.push(key('var(--merge)', 'merge'));
+  if (data.maps.length > 1) keys.push(el('span', {}, 'Maps: thick awake, thin asleep, dashed not joined.'));
   append(byId('timeline-legend'), keys);
 }
 
@@ -215,5 +215,8 @@ function showEvidence(selection, node) {
   chosen = node || null;
   if (chosen) chosen.classList.add('chosen');
   byId('evidence').replaceChildren(...evidenceOf(selection));
+  const {kind, item} = selection;
+  mapView.highlight = new Set(kind === 'closure' ? [item.id] : kind === 'merge' ? [...item.closures, ...item.enhancing] : []);
+  drawMap();
   if (!node) byId('evidence').scrollIntoView({block: 'nearest', behavior: 'smooth'});
 }
