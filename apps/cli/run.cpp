@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "commands.hpp"
+#include "mmlins/atlas/atlas.hpp"
 #include "mmlins/base/log.hpp"
 #include "mmlins/base/parallel.hpp"
 #include "mmlins/base/stopwatch.hpp"
@@ -114,16 +115,20 @@ int run(const RunOptions& options) {
   const bool is_new_folder = !std::filesystem::exists(options.out);
   if (Status status = pipeline::prepare_folder(options.out); !status) return fail(status.error());
 
+  auto atlas = atlas::Atlas::create(options.out + "/atlas");
+  if (!atlas) return fail(atlas.error());
+
   std::signal(SIGINT, request_stop);
   std::signal(SIGTERM, request_stop);
   Progress progress;
   const auto result = pipeline::run(*opened->dataset, rig, config, [&](const pipeline::ScanRecord& latest, double share) {
     progress.show(latest, share);
     return !stop_requested.load();
-  });
+  }, &*atlas);
   progress.finish();
   if (result.scans.empty()) {
     std::error_code not_empty;
+    std::filesystem::remove_all(options.out + "/atlas", not_empty);
     if (is_new_folder) std::filesystem::remove(options.out, not_empty);
     return fail(make_error(ErrorCode::kInvalid, "{}: no scan could be used{}{}; look at it with: mmlins info {}",
                            options.recording, result.read_error.empty() ? "" : ": ", result.read_error, options.recording));
@@ -135,6 +140,9 @@ int run(const RunOptions& options) {
   print_result(options, result);
   const report::ReportInput shown{result, source, rig, config, &opened->info};
   if (Status status = write_report(options.out, shown, *truth, options.truth_file); !status) return fail(status.error());
+  if (!result.mapping.error.empty()) {
+    return fail(make_error(ErrorCode::kIo, "{}; all else was saved in {}", result.mapping.error, options.out));
+  }
   if (!result.read_error.empty()) {
     return fail(make_error(ErrorCode::kIo, "{}; what came before it was saved", result.read_error));
   }

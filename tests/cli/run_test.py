@@ -16,7 +16,7 @@ import tempfile
 import unittest
 
 MMLINS = sys.argv[1] if len(sys.argv) > 1 else "mmlins"
-FILES = ["closures.csv", "config.yaml", "graph.g2o", "health.csv", "map.pcd", "merges.json", "odometry.tum", "report.html", "rig.yaml", "summary.json", "trajectory.tum"]
+FILES = ["atlas", "closures.csv", "config.yaml", "graph.g2o", "health.csv", "map.pcd", "merges.json", "odometry.tum", "report.html", "rig.yaml", "summary.json", "trajectory.tum"]
 SHARED = tempfile.TemporaryDirectory()
 
 

@@ -67,6 +67,7 @@ bool Mapper::probe_is_due() const {
 }
 
 void Mapper::look_around(const keyframe::Keyframes& keyframes, bool is_complete) {
+  if (!config_.enabled) return;
   Stopwatch stopwatch;
   View view;
   view.loaded = library_.build(keyframes);

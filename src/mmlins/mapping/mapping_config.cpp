@@ -53,6 +53,8 @@ Fields MergeConfig::fields() {
 Fields MappingConfig::fields() {
   return {
       field("enabled", enabled, "recognise places, close loops and join maps; otherwise odometry alone"),
+      field("memory_mb", memory_mb, "MB", {0.0, 1e6},
+            "of keyframes kept in memory; older ones are read from the atlas when they are needed. The result is the same"),
       field("fusion", fusion, {"default", "paper", "single", "off"},
             "how maps are joined: by default, as in the MM-LINS paper, with one of its constraints, or not at all"),
       group("keyframe", keyframe, "what the odometry hands on"),

@@ -7,23 +7,33 @@
 #include <deque>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <variant>
 
 #include "mmlins/mapping/back_end_mapper.hpp"
+#include "mmlins/pipeline/atlas_recorder.hpp"
 
 namespace mmlins::pipeline {
 
-struct EndOfMap {};
+struct BeginOfMap {
+  mapping::MapBegin begin;
+  odometry::MapRecord record;
+};
+struct EndOfMap {
+  odometry::MapRecord record;
+};
 struct NewKeyframe {
   keyframe::KeyframePointer keyframe;
   math::Matrix6d pose_covariance = math::Matrix6d::Zero();  ///< against its map, in T Exp(e)
 };
-using MappingTask = std::variant<mapping::MapBegin, NewKeyframe, EndOfMap>;
+using MappingTask = std::variant<BeginOfMap, NewKeyframe, EndOfMap>;
 
 class BackEnd {
  public:
-  BackEnd(const mapping::MappingConfig& config, std::unique_ptr<keyframe::KeyframeStore> store);
+  /// @param atlas  where the maps are written as they grow, and points are kept that memory has no room for; none:
+  ///   everything stays in memory. It must outlive the back end, and is its own until finish() has returned.
+  BackEnd(const mapping::MappingConfig& config, atlas::Atlas* atlas);
   ~BackEnd();
   BackEnd(const BackEnd&) = delete;
   BackEnd& operator=(const BackEnd&) = delete;
@@ -36,14 +46,16 @@ class BackEnd {
   /// @pre finish() has returned
   [[nodiscard]] const mapping::BackEndMapper& mapper() const { return *mapper_; }
   [[nodiscard]] keyframe::KeyframeStore& store() { return *store_; }
-  /// The first error of the store; empty if there was none. @pre finish() has returned
+  /// The first error of the store or the atlas; empty if there was none. @pre finish() has returned
   [[nodiscard]] const std::string& error() const { return error_; }
 
  private:
   void work();
   void perform(const MappingTask& task);
+  void note(const Status& status);
 
   std::unique_ptr<keyframe::KeyframeStore> store_;
+  std::optional<AtlasRecorder> recorder_;
   std::unique_ptr<mapping::BackEndMapper> mapper_;
   std::string error_;
   std::mutex mutex_;  ///< guards what follows; never held while working

@@ -40,12 +40,12 @@ ScanRecord to_record(const odometry::ScanResult& result, double read_ms) {
 
 class Runner {
  public:
-  Runner(const sensor::Rig& rig, const SlamConfig& config, const Observer& observer)
+  Runner(const sensor::Rig& rig, const SlamConfig& config, const Observer& observer, atlas::Atlas* atlas)
       : config_(config),
         rig_(rig),
         odometry_(config.odometry, rig),
         builder_(config.mapping.keyframe),
-        back_end_(config.mapping, std::make_unique<keyframe::MemoryKeyframeStore>()),
+        back_end_(config.mapping, atlas),
         observer_(observer) {}
 
   RunResult run(sensor::Dataset& dataset);
@@ -141,12 +141,12 @@ void Runner::record(const odometry::ScanResult& result) {
 void Runner::begin_map(const odometry::MapRecord& map) {
   if (latest_map_ >= 0) {
     if (auto last = builder_.finish()) hand_on(std::move(*last), last_placed_);
-    back_end_.add(EndOfMap{});
+    back_end_.add(EndOfMap{odometry_.maps()[static_cast<std::size_t>(latest_map_)]});
   }
   latest_map_ = map.id;
   mapping::MapBegin begin{map.id, map.T_first_map, std::nullopt};
   if (map.gap && map.gap->is_known) begin.gap_covariance = map.gap->covariance;
-  back_end_.add(begin);
+  back_end_.add(BeginOfMap{begin, map});
 }
 
 void Runner::hand_on(const odometry::ScanResult& result, const math::SE3& T_map_imu) {
@@ -173,7 +173,7 @@ void Runner::hand_on(keyframe::Keyframe keyframe, const imu::Estimate& estimate)
 
 void Runner::settle() {
   if (auto last = builder_.finish()) hand_on(std::move(*last), last_placed_);
-  if (latest_map_ >= 0) back_end_.add(EndOfMap{});
+  if (latest_map_ >= 0) back_end_.add(EndOfMap{odometry_.maps()[static_cast<std::size_t>(latest_map_)]});
   back_end_.finish();
   const mapping::BackEndMapper& mapper = back_end_.mapper();
   MappingResult& mapping = result_.mapping;
@@ -201,8 +201,9 @@ void Runner::settle() {
 
 }  // namespace
 
-RunResult run(sensor::Dataset& dataset, const sensor::Rig& rig, const SlamConfig& config, const Observer& observer) {
-  return Runner(rig, config, observer).run(dataset);
+RunResult run(sensor::Dataset& dataset, const sensor::Rig& rig, const SlamConfig& config, const Observer& observer,
+              atlas::Atlas* atlas) {
+  return Runner(rig, config, observer, atlas).run(dataset);
 }
 
 }  // namespace mmlins::pipeline

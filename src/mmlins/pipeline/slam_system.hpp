@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "mmlins/odometry/lidar_inertial_odometry.hpp"
+#include "mmlins/atlas/atlas.hpp"
 #include "mmlins/mapping/back_end_mapper.hpp"
 #include "mmlins/pipeline/config.hpp"
 #include "mmlins/pipeline/sensor_sync.hpp"
@@ -75,7 +76,8 @@ struct RunResult {
 using Observer = std::function<bool(const ScanRecord& latest, double progress)>;
 
 /// Runs the whole dataset.
+/// @param atlas  where the maps are kept as they grow; none: in memory alone
 [[nodiscard]] RunResult run(sensor::Dataset& dataset, const sensor::Rig& rig, const SlamConfig& config,
-                            const Observer& observer);
+                            const Observer& observer, atlas::Atlas* atlas = nullptr);
 
 }  // namespace mmlins::pipeline
