@@ -129,10 +129,11 @@ function drawEvents(root) {
     const text = `${[...event.causes].join(', ') || 'carried'}, ${fixed(event.to - event.from, 1)} s`;
     if (at[0] < 0 || at[1] < 0 || at[0] > toView.width || at[1] > toView.height) continue;
     const half = 3.1 * text.length;
+    const worthWords = event.to - event.from >= 0.5 || carried.length < 6;
     const box = [at[0] - half, at[1] - 24, at[0] + half, at[1] - 8];
     const group = svg('g', {class: 'hit'}, svg('circle', {cx: at[0], cy: at[1], r: 4.5, style: 'fill:var(--s3);stroke:var(--card)', 'stroke-width': 1.5}),
       svg('title', {}, text));
-    if (!taken.some((o) => box[0] < o[2] && box[2] > o[0] && box[1] < o[3] && box[3] > o[1]) && taken.length < 16) {
+    if (worthWords && !taken.some((o) => box[0] < o[2] && box[2] > o[0] && box[1] < o[3] && box[3] > o[1]) && taken.length < 16) {
       taken.push(box);
       const x0 = Math.min(Math.max(at[0], half + 4), toView.width - half - 4);
       group.append(svg('text', {class: 'halo', x: x0, y: Math.max(14, at[1] - 11), 'text-anchor': 'middle'}, text));

@@ -46,9 +46,9 @@ function tiles() {
   const factor = figures.real_time_factor;
   append(byId('tiles'), [
     data.truth ? tile('ATE', significant(data.truth.trajectory.ate_m.rmse), 'm', `odometry ${significant(data.truth.odometry.ate_m.rmse)} m`, 'ate')
-      : tile('Duration', ...timeText(figures.duration_s).split(/ (.*)/), `${plural(figures.scans, 'scan')}`, 'duration'),
+      : tile('Duration', ...timeText(figures.duration_s).split(/ (.*)/).slice(0, 2), plural(figures.scans, 'scan'), 'duration'),
     tile('Scans placed', placed === figures.scans ? '100' : fixed(Math.min(99.9, 100 * placed / figures.scans), 1), '%', `${grouped(placed)} of ${grouped(figures.scans)}`, 'scans'),
-    tile('Path', ...lengthText(figures.path_length_m).split(' '), `in ${timeText(figures.duration_s)}`, 'path'),
+    tile('Path', ...lengthText(figures.path_length_m).split(' '), data.truth ? `in ${timeText(figures.duration_s)}` : `${significant(figures.path_length_m / duration, 2)} m/s on average`, 'path'),
     tile('Maps', data.maps.length > 1 ? `${data.maps.length} \u2192 ${worlds}` : '1', '', data.maps.length > 1 ? `${plural(figures.mapping.merges, 'merge')}` : 'never lost', 'maps'),
     tile('Loop closures', grouped(c.counts), '', `of ${grouped(Object.values(c).reduce((a, b) => a + b, 0))} examined`, 'closures'),
     tile('Work per scan', significant(total.mean_ms), 'ms', `p99 ${significant(total.p99_ms)} ms`, 'work'),
