@@ -66,6 +66,13 @@ function momentText(seconds, decimals = 1) {
   return `${Math.floor(seconds / 60)}:${rest.toFixed(decimals).padStart(decimals > 0 ? 3 + decimals : 2, '0')} min`;
 }
 
+/** The same beside a tick: as short as it can be. */
+function axisText(seconds, marks) {
+  if (duration < 180) return momentText(seconds, marks.decimals);
+  const whole = marks.values.every((t) => t % 60 === 0);
+  return whole ? `${seconds / 60} min` : `${Math.floor(seconds / 60)}:${String(seconds % 60).padStart(2, '0')}`;
+}
+
 function lengthText(metres) { return metres >= 10000 ? `${significant(metres / 1000, 4)} km` : `${significant(metres, 3)} m`; }
 
 // Round ticks

@@ -18,7 +18,7 @@ function timeAxis(picture, scale, bottom, top) {
     const x = scale.at(t);
     if (top !== null) picture.append(svg('line', {class: 'grid', x1: x, x2: x, y1: top, y2: bottom}));
     picture.append(svg('text', {x, y: bottom + 15, 'text-anchor': t === 0 ? 'start' : x > scale.at(duration) - 24 ? 'end' : 'middle'},
-      momentText(t, marks.decimals)));
+      axisText(t, marks)));
   }
   picture.append(svg('line', {class: 'axis', x1: margin.left, x2: scale.at(duration), y1: bottom, y2: bottom}));
 }

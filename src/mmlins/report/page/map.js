@@ -128,15 +128,16 @@ function drawEvents(root) {
     const at = [toView.x(x), toView.y(y)];
     const text = `${[...event.causes].join(', ') || 'carried'}, ${fixed(event.to - event.from, 1)} s`;
     if (at[0] < 0 || at[1] < 0 || at[0] > toView.width || at[1] > toView.height) continue;
-    const half = 3.1 * text.length;
+    const words = toView.width < 520 ? `${fixed(event.to - event.from, 1)} s` : text;
+    const half = 3.5 * words.length;
+    const x0 = Math.min(Math.max(at[0], half + 4), toView.width - half - 4);
     const worthWords = event.to - event.from >= 0.5 || carried.length < 6;
-    const box = [at[0] - half, at[1] - 24, at[0] + half, at[1] - 8];
+    const box = [x0 - half, at[1] - 24, x0 + half, at[1] - 8];
     const group = svg('g', {class: 'hit'}, svg('circle', {cx: at[0], cy: at[1], r: 4.5, style: 'fill:var(--s3);stroke:var(--card)', 'stroke-width': 1.5}),
       svg('title', {}, text));
     if (worthWords && !taken.some((o) => box[0] < o[2] && box[2] > o[0] && box[1] < o[3] && box[3] > o[1]) && taken.length < 16) {
       taken.push(box);
-      const x0 = Math.min(Math.max(at[0], half + 4), toView.width - half - 4);
-      group.append(svg('text', {class: 'halo', x: x0, y: Math.max(14, at[1] - 11), 'text-anchor': 'middle'}, text));
+      group.append(svg('text', {class: 'halo', x: x0, y: Math.max(14, at[1] - 11), 'text-anchor': 'middle'}, words));
     }
     group.addEventListener('click', () => showEvidence({kind: 'stretch', item: stretchAt((event.from + event.to) / 2)}));
     root.append(group);
@@ -150,7 +151,7 @@ function drawEnds(root) {
   ends.forEach(([x, y, name], i) => {
     const shape = i === 0 ? svg('circle', {cx: x, cy: y, r: 6, style: 'fill:var(--card);stroke:var(--ink)', 'stroke-width': 2.5})
       : svg('rect', {x: x - 5, y: y - 5, width: 10, height: 10, style: 'fill:var(--ink);stroke:var(--card)', 'stroke-width': 1.5});
-    const right = close && i === 1 ? -1 : 1;
+    const right = close && i === (ends[0][0] < ends[1][0] ? 0 : 1) ? -1 : 1;
     root.append(shape, svg('text', {class: 'halo', x: x + 10 * right, y: y + 4, 'text-anchor': right > 0 ? 'start' : 'end'}, name));
   });
 }
