@@ -43,6 +43,7 @@ struct Closure {
   math::Matrix6d information = math::Matrix6d::Zero();  ///< of e in T Exp(e), [rotation; translation]
   double overlap = 0.0;
   double residual_rms = 0.0;  ///< [m]
+  double crossing_share = 0.0;  ///< of rays that pass through surfaces of the other
   double moved = 0.0;   ///< from where the graph had it, along what is determined [m]; -1 if it had no idea
   double turned = 0.0;  ///< the same of its rotation [rad]
   std::string reason;         ///< the verdict in one line

@@ -143,6 +143,7 @@ Closure* Mapper::examine(const View& view, const PlaceCandidate& candidate) {
   closure.information = of_keyframes(fit.information, view.record);
   closure.overlap = fit.overlap;
   closure.residual_rms = fit.residual_rms;
+  closure.crossing_share = verdict.crossing_share;
   closure.reason = verdict.reason;
   closure.moved = -1.0;
   if (candidate.prior) {

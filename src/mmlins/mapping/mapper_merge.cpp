@@ -100,11 +100,21 @@ void Mapper::try_to_merge(int world_a, int world_b) {
   }
   // Others tell another story: wait until one of them is clearly the longer.
   if (last_way - first_way < needed_span || total - weight > 0.5 * weight) return;
+  if (2 * num_seen_through(into, world, placements[best]) >= static_cast<int>(agreeing.size())) return;
   merge.world = world;
   merge.into = into;
   merge.prior_known = prior_known;
   merge.T_new_old = placements[best].T_into_world;
   if (!commit(std::move(merge))) log::info("maps {} and {} stay apart: joined, they do not fit", into, world);
+}
+
+int Mapper::num_seen_through(int into, int world, const Placement& like) const {
+  return static_cast<int>(std::count_if(closures_.begin(), closures_.end(), [&](const Closure& closure) {
+    if (closure.state != ClosureState::kRefused) return false;
+    if (closure.crossing_share <= config_.verification.max_crossing_share) return false;
+    const int source = graph_.world_of(closure.source_map), target = graph_.world_of(closure.target_map);
+    return std::minmax(source, target) == std::minmax(into, world) && agree(placement_of(closure, world), like, config_.merge);
+  }));
 }
 
 bool Mapper::commit(Merge merge) {

@@ -25,6 +25,8 @@ constexpr double kVelocityDeviation = 0.01;   // [m/s]
 constexpr double kPositionDeviation = 0.005;  // [m]
 constexpr double kGyroDeviation = 3e-4;       // [rad/s]
 constexpr double kAccelDeviation = 0.02;      // [m/s^2]
+/// The first scan after an absence does not know its velocity well yet [m/s].
+constexpr double kUnsettledVelocity = 0.04;
 /// Of the gyroscope's scale, once it has been learnt.
 constexpr double kScaleDeviation = 0.002;
 /// Real accelerometers are noisier than their data sheets: vibration, scale, misalignment.
@@ -82,12 +84,13 @@ std::vector<SE3> smooth(std::span<const MovingPose> carried, const MovingPose& e
     steps.push_back(step_between(carried[k], carried[k + 1], rig));
     covariances.push_back(steps[k].F * covariances[k] * steps[k].F.transpose() + steps[k].Q);
   }
-  // At the end attitude, velocity and position are seen as well as they were known at the beginning.
+  // At the end attitude and position are seen as well as they were known at the beginning, the velocity less well.
   Eigen::Matrix<double, 9, 1> seen;
   seen << math::so3_log((end.T_world_imu.R * carried[last].T_world_imu.R.transpose()).eval()),
       end.v_world - carried[last].v_world, end.T_world_imu.t - carried[last].T_world_imu.t;
   Eigen::Matrix<double, 9, 9> S = covariances[last].topLeftCorner<9, 9>();
   S.diagonal() += initial_covariance().diagonal().head<9>();
+  S.diagonal().segment<3>(kVelocity).array() += kUnsettledVelocity * kUnsettledVelocity;
   Error error = covariances[last].leftCols<9>() * S.ldlt().solve(seen);
   std::vector<SE3> poses(last > 0 ? last - 1 : 0);
   for (std::size_t k = last; k-- > 1;) {
