@@ -97,9 +97,14 @@ void print_result(const RunOptions& options, const pipeline::RunResult& result) 
     log::warning("{} of {} scans were carried by the IMU alone; {}/health.csv says which and why", num_carried,
                  result.scans.size(), options.out);
   }
-  if (result.maps.size() > 1) {
-    log::warning("the pose was lost on the way: {} maps, joined only by what the IMU felt between them",
-                 result.maps.size());
+  const auto num_apart = std::count_if(result.maps.begin(), result.maps.end(), [&](const odometry::MapRecord& map) {
+    return map.id > 0 && result.mapping.worlds[static_cast<std::size_t>(map.id)] == map.id;
+  });
+  if (num_apart > 0) {
+    log::warning("the pose was lost on the way: of {} maps {} met no other again and lie where the IMU carried them",
+                 result.maps.size(), num_apart);
+  } else if (result.maps.size() > 1) {
+    fmt::print("the pose was lost on the way; all {} maps found each other again\n", result.maps.size());
   }
 }
 

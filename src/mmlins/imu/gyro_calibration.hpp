@@ -2,7 +2,7 @@
 #pragma once
 // Learns what a gyroscope gets wrong in proportion to the rate: scale of its axes and their misalignment. Cheap ones
 // are off by a percent, which is a degree in every quarter turn that nothing but the gyroscope sees. While scans are
-// matched, every turn tells a little of it. docs/math/eskf.md, section 6.
+// matched, every turn tells a little of it. docs/math/eskf.md, section 7.
 
 #include <Eigen/Core>
 #include <optional>
