@@ -88,6 +88,32 @@ TEST(ImuIsQuiet, AtRestButNotWhenTurningOrShaking) {
   EXPECT_FALSE(imu_is_quiet({}, config, {}));
 }
 
+TEST(CarriedBack, UndoesWhatTheImuIntegrated) {
+  const sensor::ImuSamples samples = in_motion();
+  sensor::ImuBuffer imu;
+  for (const auto& sample : samples) ASSERT_EQ(imu.add(sample), sensor::ImuAdmission::kAccepted);
+  NavState begin;
+  begin.time = samples.front().time;
+  begin.v_odom = {7.0, -1.0, 0.4};
+  begin.accel_bias = {0.05, 0.0, -0.02};
+  const imu::ImuNoise noise{1e-3, 1e-2, 1e-5, 1e-4};
+  const auto way = imu::propagate({begin, imu::ErrorMatrix::Zero()}, samples, noise);
+  const std::vector<Time> times{samples[0].time, samples[137].time, samples[300].time};
+  const imu::Estimate end{way.estimate.state, 1e-4 * imu::ErrorMatrix::Identity()};
+  const auto back = carried_back(end, times, imu, noise);
+  ASSERT_EQ(back.size(), times.size());
+  // The midpoint rule takes its attitude from where the step begins, so that there and back differs by rounding only.
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const auto truth = *math::pose_at(way.T_odom_imu, times[i], from_seconds(0.01));
+    EXPECT_EQ(back[i].state.time, times[i]);
+    EXPECT_LT((back[i].state.p_odom - truth.t).norm(), 1e-9) << i;
+    EXPECT_LT((back[i].state.R_odom_imu - truth.R).norm(), 1e-9) << i;
+  }
+  EXPECT_LT((back[0].state.v_odom - begin.v_odom).norm(), 1e-9);
+  // The farther back, the less is known.
+  EXPECT_GT(back[0].P(imu::kPosition, imu::kPosition), back[2].P(imu::kPosition, imu::kPosition));
+}
+
 TEST(InertialAlignment, RecoversVelocityAndGravityFromPositions) {
   NavState truth;
   truth.time = kStart;
