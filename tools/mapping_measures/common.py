@@ -17,6 +17,7 @@ from measure_scenarios import metres
 METHODS = {
     "default": (),
     "off": ("mapping.enabled=false",),  # odometry alone; its maps hang together by their gaps
+    "apart": ("mapping.fusion=off",),  # loops are closed, maps are not joined
     "paper": ("mapping.fusion=paper",),
     "single": ("mapping.fusion=single",),
     **{f"enhancing_{n}": (f"mapping.merge.num_enhancing={n}",) for n in (0, 1, 2, 3, 5, 10)},
