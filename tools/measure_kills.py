@@ -24,7 +24,7 @@ def last_keyframe(folder: pathlib.Path) -> float | None:
     index = folder / "atlas" / "index.sqlite"
     try:
         with sqlite3.connect(f"file:{index}?mode=ro", uri=True, timeout=1.0) as database:
-            (latest,) = database.execute("SELECT max(time_ns) FROM keyframes").fetchone()
+            (latest,) = database.execute("SELECT max(time_ns) FROM keyframe").fetchone()
     except sqlite3.Error:
         return None
     return None if latest is None else latest * 1e-9
