@@ -49,6 +49,8 @@ class Mapper final : public BackEndMapper {
   bool solve(MapGraph before);
   void try_to_merge(int world_a, int world_b);
   [[nodiscard]] Placement placement_of(const Closure& closure, int world) const;
+  /// Whether the graph, by gaps too, has the two keyframes about where the closure says.
+  [[nodiscard]] bool is_as_predicted(const Closure& closure) const;
   /// Closures of two worlds that lie as `like` has them, but see through each other's walls.
   [[nodiscard]] int num_seen_through(int into, int world, const Placement& like) const;
   [[nodiscard]] bool commit(Merge merge);

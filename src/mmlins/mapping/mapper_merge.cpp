@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // How closures change the graph: loops within a world, and two worlds that become one.
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <numbers>
 #include <utility>
@@ -15,6 +16,8 @@ using math::SE3;
 
 /// Odometry that has to bend more than this (mean squared normalised error) is bent by something false.
 constexpr double kMaxOdometryChi2 = 1.5;
+/// Squared distance from what the IMU carried, with its deviations doubled, beyond which maps are not joined.
+constexpr double kMaxSurprise = 6.0;
 /// 99.9 % of true closures are nearer to what all others say, in six directions.
 constexpr double kMaxClosureChi2 = 22.5;
 
@@ -83,7 +86,10 @@ void Mapper::try_to_merge(int world_a, int world_b) {
     ids.push_back(closure.id);
   }
   const std::vector<std::size_t> agreeing = largest_agreement(placements, config_.merge);
+  if (agreeing.empty()) return;
   const bool prior_known = graph_.are_connected(into, world);
+  // Places that look alike are found where the IMU cannot have carried the pose.
+  if (prior_known && !is_as_predicted(closures_[static_cast<std::size_t>(ids[agreeing.front()])])) return;
   const int needed = prior_known ? config_.merge.num_agreeing_with_prior : config_.merge.num_agreeing;
   const double needed_span = prior_known ? config_.merge.min_span_with_prior : config_.merge.min_span;
   if (static_cast<int>(agreeing.size()) < needed) return;
@@ -98,14 +104,27 @@ void Mapper::try_to_merge(int world_a, int world_b) {
     if (placements[i].weight > placements[best].weight) best = i;
     merge.closures.push_back(ids[i]);
   }
+  // One place may look like another; two that lie to each other as they should seldom do.
+  const auto leads_elsewhere = [&](int id) {
+    return closures_[static_cast<std::size_t>(id)].target != closures_[static_cast<std::size_t>(merge.closures.front())].target;
+  };
+  if (std::none_of(merge.closures.begin(), merge.closures.end(), leads_elsewhere)) return;
   // Others tell another story: wait until one of them is clearly the longer.
   if (last_way - first_way < needed_span || total - weight > 0.5 * weight) return;
-  if (2 * num_seen_through(into, world, placements[best]) >= static_cast<int>(agreeing.size())) return;
+  if (3 * num_seen_through(into, world, placements[best]) >= static_cast<int>(agreeing.size())) return;
   merge.world = world;
   merge.into = into;
   merge.prior_known = prior_known;
   merge.T_new_old = placements[best].T_into_world;
   if (!commit(std::move(merge))) log::info("maps {} and {} stay apart: joined, they do not fit", into, world);
+}
+
+bool Mapper::is_as_predicted(const Closure& closure) const {
+  const KeyframePair pair{closure.target, closure.source};
+  const auto prior = graph_.predict({&pair, 1}).front();
+  if (!prior) return false;
+  const math::Vector6d apart = math::se3_log(prior->T_target_source.inverse() * closure.T_target_source);
+  return apart.dot(prior->covariance.ldlt().solve(apart)) <= kMaxSurprise;
 }
 
 int Mapper::num_seen_through(int into, int world, const Placement& like) const {
