@@ -11,7 +11,6 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
 sys.dont_write_bytecode = True
 
 from degeneracy.bag_map import compared, placed
-from degeneracy.cold import start_of
 from degeneracy.events import Event, delay_of, excused_episodes, false_episodes, must_be_declared, needless_splits
 from degeneracy.health import Health, angle_deg, episodes_of, errors_at, steps_of, true_velocity
 from measure_scenarios import Pose
@@ -85,9 +84,6 @@ class Truth(unittest.TestCase):
         jumping = [yawed(0.1 * i, (0.1 * i + (0.3 if i >= 20 else 0.0), 0.0, 0.0), 0.0) for i in range(50)]
         self.assertAlmostEqual(steps_of(jumping, truth).worst_jump_m, 0.3)
         self.assertAlmostEqual(steps_of(jumping, truth).jump_at, 2.0)
-
-    def test_the_start_is_when_it_was_declared_though_scans_of_the_window_were_not_placed(self):
-        self.assertAlmostEqual(start_of("started in motion after 2.1 s", rows_of("TBB")), 2.1)
 
 
 class Maps(unittest.TestCase):
