@@ -19,7 +19,7 @@ from measure_scenarios import Pose
 def rows_of(states):
     """Scans of 0.1 s; one letter each: T, B, L, and a blank where there is no scan."""
     names = {"T": "TRACKING", "B": "BRIDGING", "L": "LOST"}
-    return [Health(0.1 * (i + 1), names[letter], "", 0, (1.0, 0.0, 0.0), (0.0, 0.0, -1.0))
+    return [Health(0.1 * (i + 1), names[letter], "", 0, (1.0, 0.0, 0.0), (0.0, 0.0, -1.0), None)
             for i, letter in enumerate(states) if letter != " "]
 
 
