@@ -46,6 +46,7 @@ struct Closure {
   double crossing_share = 0.0;  ///< of rays that pass through surfaces of the other
   double moved = 0.0;   ///< from where the graph had it, along what is determined [m]; -1 if it had no idea
   double turned = 0.0;  ///< the same of its rotation [rad]
+  double news = 0.0;    ///< above 1 it says something new: it is farther from there than its own deviation explains
   std::string reason;         ///< the verdict in one line
 };
 

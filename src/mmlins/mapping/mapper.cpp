@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numbers>
 #include <utility>
 
 #include "mmlins/base/log.hpp"
@@ -13,19 +14,30 @@
 namespace mmlins::mapping {
 namespace {
 
+using math::Matrix6d;
 using math::SE3;
 
 /// A young map looks for known places before its first submap is complete, after so many metres.
 constexpr std::array<double, 3> kProbeAfter{3.0, 6.0, 10.0};
 /// Height by which the view from above may be wrong [m].
 constexpr double kHeightRange = 2.5;
+/// 95 % of what is off by chance alone is nearer than this squared distance, in six directions.
+constexpr double kChance = 12.6;
 
 /// The same information about keyframes instead of their submaps.
-math::Matrix6d of_keyframes(const math::Matrix6d& information, const SubmapRecord& source) {
-  math::Matrix6d turn = math::Matrix6d::Zero();
+Matrix6d of_keyframes(const Matrix6d& information, const SubmapRecord& source) {
+  Matrix6d turn = Matrix6d::Zero();
   turn.topLeftCorner<3, 3>() = source.T_keyframe_submap.R;
   turn.bottomRightCorner<3, 3>() = source.T_keyframe_submap.R;
   return turn * information * turn.transpose();
+}
+
+/// Covariance of a pose known to so much in all directions.
+Matrix6d spread(double rotation_deg, double position) {
+  const double rotation = rotation_deg * std::numbers::pi / 180.0;
+  math::Vector6d variances;
+  variances << math::Vector3d::Constant(rotation * rotation), math::Vector3d::Constant(position * position);
+  return variances.asDiagonal();
 }
 
 }  // namespace
@@ -147,10 +159,14 @@ Closure* Mapper::examine(const View& view, const PlaceCandidate& candidate) {
   closure.reason = verdict.reason;
   closure.moved = -1.0;
   if (candidate.prior) {
-    const math::Vector6d apart = registration::observed_part(
-        math::se3_log(candidate.prior->T_target_source.inverse() * fit.T_target_source), fit.information, fit.observability);
-    closure.moved = apart.tail<3>().norm();
-    closure.turned = apart.head<3>().norm();
+    const math::Vector6d apart = math::se3_log(candidate.prior->T_target_source.inverse() * fit.T_target_source);
+    const registration::RegistrationConfig& limits = config_.verification.registration;
+    const Matrix6d known = spread(limits.observability.weak_rotation_deg, limits.observability.weak_position);
+    const math::Vector6d shift = known * (registration::compared_information(fit.information, known) * apart);
+    closure.moved = shift.tail<3>().norm();
+    closure.turned = shift.head<3>().norm();
+    const Matrix6d least = spread(config_.loop.confirmed_within_deg, config_.loop.confirmed_within);
+    closure.news = apart.dot(registration::compared_information(fit.information / kChance, least) * apart);
   }
   closures_.push_back(std::move(closure));
   return &closures_.back();

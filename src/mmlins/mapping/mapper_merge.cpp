@@ -2,7 +2,6 @@
 // How closures change the graph: loops within a world, and two worlds that become one.
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <numbers>
 #include <utility>
 
 #include "mmlins/base/log.hpp"
@@ -35,9 +34,7 @@ bool Mapper::needs_ties(int map_a, int map_b) const {
 void Mapper::use(Closure& closure) {
   const bool ties_maps = needs_ties(closure.source_map, closure.target_map);
   if (!ties_maps) quiet_until_ = graph_.odometer(closure.source) + config_.loop.pause;
-  const double turned_deg = closure.turned * 180.0 / std::numbers::pi;
-  if (!ties_maps && closure.moved >= 0.0 && closure.moved <= config_.loop.confirmed_within &&
-      turned_deg <= config_.loop.confirmed_within_deg) {
+  if (!ties_maps && closure.moved >= 0.0 && closure.news <= 1.0) {
     closure.state = ClosureState::kConfirmed;
     return;
   }

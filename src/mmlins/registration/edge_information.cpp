@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "mmlins/registration/edge_information.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 
@@ -59,6 +60,13 @@ Vector6d observed_part(const Vector6d& motion, const Matrix6d& H,
   for (const auto& direction : observability.translation) remove(direction, 3);
   for (const auto& direction : observability.rotation) remove(direction, 0);
   return rest;
+}
+
+Matrix6d compared_information(const Matrix6d& information, const Matrix6d& covariance) {
+  // (C + L^-1)^-1 = L - L (L + C^-1)^-1 L
+  const Matrix6d P = covariance.ldlt().solve(Matrix6d::Identity());
+  const Matrix6d out = information - information * (information + P).ldlt().solve(information);
+  return 0.5 * (out + out.transpose());
 }
 
 }  // namespace mmlins::registration

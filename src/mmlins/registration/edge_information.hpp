@@ -32,4 +32,9 @@ struct JudgedDirection {
 [[nodiscard]] math::Vector6d observed_part(const math::Vector6d& motion, const math::Matrix6d& H,
                                            const degeneracy::Observability& observability);
 
+/// (covariance + information^-1)^-1, where the information may know nothing of some directions: how well a pose known
+/// with one and a pose known with the other can be compared.
+[[nodiscard]] math::Matrix6d compared_information(const math::Matrix6d& information,
+                                                  const math::Matrix6d& covariance);
+
 }  // namespace mmlins::registration

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -30,11 +29,7 @@ double tilt_deg(const SE3& T) { return kDeg * std::acos(std::clamp(T.R(2, 2), -1
 /// Mahalanobis distance of the result from the prior, with the uncertainty of both.
 double prior_chi2(const Registration& result, const PosePrior& prior) {
   const Vector6d apart = difference(result.T_target_source, prior.T_target_source);
-  // (C + L^-1)^-1 = L - L (L + C^-1)^-1 L, which allows for directions without any information.
-  const math::Matrix6d& L = result.information;
-  const math::Matrix6d P = prior.covariance.ldlt().solve(math::Matrix6d::Identity());
-  const Vector6d pull = L * apart;
-  return apart.dot(pull) - pull.dot((L + P).ldlt().solve(pull));
+  return apart.dot(compared_information(result.information, prior.covariance) * apart);
 }
 
 struct Attempts {
