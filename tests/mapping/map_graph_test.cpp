@@ -135,6 +135,51 @@ TEST(MapGraph, TakesAlongWhatFollowsAKeyframeThatHasBeenMoved) {
   EXPECT_LT(apart(grown.graph.T_world_keyframe(12), T_world_last * at(2)), 1e-9);
 }
 
+TEST(MapGraph, BelievesALinkNoMoreThanTheImuThatCarriedThePose) {
+  LinkConfig link;
+  link.gap_factor = 2.0;
+  Grown grown(link);
+  grown.graph.begin_map({0, {}, std::nullopt});
+  grown.add(2, 0);
+  grown.graph.bridge(kGap);
+  grown.graph.add(keyframe_of(2, 0, at(2)), Matrix6d::Zero());
+  grown.graph.add(keyframe_of(3, 0, at(3)), Matrix6d::Zero());
+  const auto& edges = grown.graph.graph().edges;
+  ASSERT_EQ(edges.size(), 3U);
+  const Matrix6d usual = link_covariance(at(1), Matrix6d::Zero(), link);
+  EXPECT_LT((edges[1].information.inverse() - usual - 4.0 * kGap).norm(), 1e-9);
+  EXPECT_LT((edges[2].information.inverse() - usual).norm(), 1e-9);  // and no other
+  EXPECT_TRUE(grown.graph.is_bridged(1, 2));
+  EXPECT_FALSE(grown.graph.is_bridged(0, 1));
+  EXPECT_FALSE(grown.graph.is_bridged(2, 3));
+}
+
+TEST(MapGraph, ForgetsABridgeThatEndsInAnotherMap) {
+  Grown grown;
+  grown.graph.begin_map({0, {}, std::nullopt});
+  grown.add(2, 0);
+  grown.graph.bridge(kGap);
+  grown.graph.begin_map({1, at(5), kGap});
+  grown.add(2, 1);
+  const graph::Edge& link = grown.graph.graph().edges.back();
+  EXPECT_LT((link.information.inverse() - link_covariance(at(1), 1e-6 * Matrix6d::Identity(), {})).norm(), 1e-9);
+}
+
+TEST(MapGraph, HoldsWhatAClosureConfirms) {
+  Grown grown;
+  grown.graph.begin_map({0, {}, std::nullopt});
+  grown.add(3, 0);
+  grown.graph.bridge(kGap);
+  for (int i = 3; i < 6; ++i) grown.graph.add(keyframe_of(i, 0, at(i)), 1e-6 * Matrix6d::Identity());
+  Closure near = closure_between(4, 1, at(3.02), grown.graph);
+  grown.graph.hold(near, covariance_of(0.2, 0.05));
+  ASSERT_TRUE(grown.graph.optimize().solved);
+  for (int i = 0; i < 6; ++i) EXPECT_LT(apart(grown.graph.T_world_keyframe(i), at(i)), 1e-6);
+  // The 5 cm to which it holds, the links beside it and its own 1 mm.
+  const KeyframePair across{2, 3};
+  EXPECT_LT(std::sqrt(grown.graph.predict({&across, 1})[0]->covariance(3, 3)), 0.06);
+}
+
 TEST(MapGraph, MovesAndJoinsWorlds) {
   Grown grown;
   for (int map = 0; map < 3; ++map) {

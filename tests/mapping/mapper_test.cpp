@@ -81,6 +81,29 @@ TEST(Mapper, ClosesTheLoopOfASecondRound) {
   EXPECT_GT(run.mapper->revision(), 0);
 }
 
+/// The map is found again half a metre off, long before the second round begins.
+SimulatedMap found_again_elsewhere(std::size_t from) {
+  const place_test::Site site(sim::SceneKind::kHall, 1, kHallSpeed);
+  SimulatedMap map = mapping_test::make_map(site.drive({.duration = 85.0}), 0, 0,
+                                            mapping_test::jump(from, {0.4, -0.3, 0.05}));
+  map.bridge_before = static_cast<int>(from);
+  map.bridge_deviation = 0.4;
+  return map;
+}
+
+TEST(Mapper, CorrectsWhereTheMapWasFoundAgainInTheWrongPlace) {
+  SimulatedMap map = found_again_elsewhere(30);
+  const Mapped run({map});
+  const auto counting = std::count_if(run.mapper->closures().begin(), run.mapper->closures().end(),
+                                      [](const Closure& closure) { return closure.state == ClosureState::kCounts; });
+  EXPECT_GE(counting, 2);  // one alone may be wrong
+  // Surfaces are registered to a few centimetres.
+  EXPECT_LT(mapping_test::largest_error(*run.mapper, map), 0.05);
+  // Were the link believed like any other, the closures would be refused.
+  map.bridge_before = -1;
+  EXPECT_GT(mapping_test::largest_error(*Mapped({map}).mapper, map), 0.3);
+}
+
 TEST(Mapper, JoinsTwoMapsWithAGapBetweenThem) {
   std::vector<SimulatedMap> maps = campus();
   misplace(maps[1], {math::so3_exp({0.0, 0.0, 1.5 * kDeg}), {1.2, -0.8, 0.3}}, 1.0);

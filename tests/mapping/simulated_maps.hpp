@@ -18,6 +18,8 @@ struct SimulatedMap {
   math::SE3 T_scene_map;                         ///< where it truly lies
   math::SE3 T_world_map;                         ///< where it is said to lie
   std::optional<math::Matrix6d> gap_covariance;  ///< of what is said
+  int bridge_before = -1;                        ///< keyframe before which the IMU alone carried the pose
+  double bridge_deviation = 0.0;                 ///< of what it carried [m]; of the heading 1 degree
   std::vector<math::SE3> T_scene_imu;            ///< true poses of its keyframes
   keyframe::Keyframes keyframes;
 };
@@ -60,6 +62,15 @@ inline Drift steady_drift(double scale, double turn_per_step) {
   };
 }
 
+/// From the pose at `from` on all lie elsewhere: the map was found again in the wrong place.
+inline Drift jump(std::size_t from, const math::Vector3d& by) {
+  return [=](const std::vector<math::SE3>& poses) {
+    std::vector<math::SE3> measured = poses;
+    for (std::size_t i = from; i < measured.size(); ++i) measured[i].t += by;
+    return measured;
+  };
+}
+
 /// A filter that knows its pose to 2 cm and 0.1 degrees.
 inline math::Matrix6d pose_covariance() {
   math::Vector6d variances;
@@ -73,6 +84,7 @@ inline void feed(mapping::BackEndMapper& mapper, keyframe::KeyframeStore& store,
   for (std::size_t i = 0; i < maps.size(); ++i) {
     mapper.begin_map({static_cast<int>(i), maps[i].T_world_map, maps[i].gap_covariance});
     for (const auto& kf : maps[i].keyframes) {
+      if (kf->id == maps[i].bridge_before) mapper.bridge(mapping::covariance_of(1.0, maps[i].bridge_deviation));
       MMLINS_CHECK(store.add(kf).ok());
       mapper.add(kf, pose_covariance());
     }

@@ -38,6 +38,10 @@ class BackEndMapper {
   /// @param pose_covariance  of the pose against its map, in T Exp(e)
   /// @pre keyframes come in the order of their ids, which begin at 0, and belong to the latest map
   virtual void add(const keyframe::KeyframePointer& keyframe, const math::Matrix6d& pose_covariance) = 0;
+  /// From the latest keyframe to the next one of the same map the IMU alone carries the pose, and the map is found again
+  /// where that ends: perhaps in the wrong place.
+  /// @param covariance  of what it carried, in T Exp(e)
+  virtual void bridge(const math::Matrix6d& covariance) = 0;
   /// The latest map falls asleep, or the recording ends: nothing more of it will come.
   virtual void end_map() = 0;
 

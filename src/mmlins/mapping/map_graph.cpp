@@ -9,6 +9,7 @@
 #include "mmlins/base/check.hpp"
 #include "mmlins/base/log.hpp"
 #include "mmlins/graph/relative_covariance.hpp"
+#include "mmlins/registration/edge_information.hpp"
 
 namespace mmlins::mapping {
 namespace {
@@ -23,6 +24,12 @@ Matrix6d inverse_of(const Matrix6d& covariance) { return covariance.ldlt().solve
 void replace_all(std::vector<int>& values, int from, int to) { std::replace(values.begin(), values.end(), from, to); }
 
 }  // namespace
+
+Matrix6d covariance_of(double rotation_deg, double position) {
+  math::Vector6d deviations;
+  deviations << math::Vector3d::Constant(kRad * rotation_deg), math::Vector3d::Constant(position);
+  return deviations.cwiseAbs2().asDiagonal();
+}
 
 Matrix6d link_covariance(const SE3& T_from_to, const Matrix6d& pose_covariance, const LinkConfig& config) {
   const double travel = T_from_to.t.norm();
@@ -43,6 +50,7 @@ void MapGraph::begin_map(const MapBegin& begin) {
   } else if (gap_) {
     gap_ = begin.gap_covariance ? std::optional<Matrix6d>(*gap_ + *begin.gap_covariance) : std::nullopt;
   }
+  bridge_.reset();
   begins_.push_back(begin);
   worlds_.push_back(begin.map_id);
   islands_.push_back(begin.map_id);
@@ -68,8 +76,9 @@ void MapGraph::add(const keyframe::Keyframe& keyframe, const Matrix6d& pose_cova
   if (!is_first) {
     const SE3 T_last_this = T_map_last_.inverse() * keyframe.T_map_imu;
     travel = T_last_this.t.norm();
-    graph_.edges.push_back({keyframe.id - 1, keyframe.id, T_last_this,
-                            inverse_of(link_covariance(T_last_this, pose_covariance, link_))});
+    Matrix6d covariance = link_covariance(T_last_this, pose_covariance, link_);
+    if (bridge_) covariance += link_.gap_factor * link_.gap_factor * *bridge_;
+    graph_.edges.push_back({keyframe.id - 1, keyframe.id, T_last_this, inverse_of(covariance)});
     weights_.push_back(1.0);
   } else if (gap_) {
     const SE3 T_first_last = begins_[static_cast<std::size_t>(map_of(keyframe.id - 1))].T_world_map * T_map_last_;
@@ -78,9 +87,13 @@ void MapGraph::add(const keyframe::Keyframe& keyframe, const Matrix6d& pose_cova
                             inverse_of(link_.gap_factor * link_.gap_factor * *gap_), graph::EdgeKind::kGap});
     weights_.push_back(1.0);
   }
+  num_bridges_.push_back((num_bridges_.empty() ? 0 : num_bridges_.back()) + (bridge_ ? 1 : 0));
+  bridge_.reset();
   odometer_.push_back((odometer_.empty() ? 0.0 : odometer_.back()) + travel);
   T_map_last_ = keyframe.T_map_imu;
 }
+
+void MapGraph::bridge(const Matrix6d& covariance) { bridge_ = bridge_ ? Matrix6d(*bridge_ + covariance) : covariance; }
 
 void MapGraph::add_gravity(const keyframe::Keyframe& keyframe, bool is_first) {
   if (link_.gravity_every == 0) return;
@@ -132,6 +145,13 @@ void MapGraph::add_closure(const Closure& closure) {
   graph_.edges.push_back({closure.target, closure.source, closure.T_target_source, closure.information,
                           same_map ? graph::EdgeKind::kLoop : graph::EdgeKind::kMerge, true, closure.id});
   weights_.push_back(1.0);
+}
+
+void MapGraph::hold(const Closure& closure, const Matrix6d& least) {
+  Closure held = closure;
+  held.T_target_source = T_world_keyframe(closure.target).inverse() * T_world_keyframe(closure.source);
+  held.information = registration::compared_information(closure.information, least);
+  add_closure(held);
 }
 
 MapGraph::Solution MapGraph::optimize() {

@@ -40,6 +40,14 @@ class MapGraph {
   /// @pre keyframes come in the order of their ids, which begin at 0, and belong to the latest map
   void add(const keyframe::Keyframe& keyframe, const math::Matrix6d& pose_covariance);
 
+  /// The IMU alone carries the pose to the next keyframe of this map. docs/math/mapping.md, Eq. (1).
+  void bridge(const math::Matrix6d& covariance);
+
+  /// Whether anywhere between two keyframes the IMU alone carried the pose.
+  [[nodiscard]] bool is_bridged(int id_a, int id_b) const {
+    return num_bridges_[static_cast<std::size_t>(id_a)] != num_bridges_[static_cast<std::size_t>(id_b)];
+  }
+
   [[nodiscard]] int num_keyframes() const { return static_cast<int>(graph_.nodes.size()); }
   [[nodiscard]] math::SE3 T_world_keyframe(int id) const;
   [[nodiscard]] int map_of(int id) const { return graph_.nodes[static_cast<std::size_t>(id)].map; }
@@ -59,6 +67,9 @@ class MapGraph {
   void join(int world, int into);
   /// Adds a closure as an edge.
   void add_closure(const Closure& closure);
+  /// Holds two keyframes where they lie to each other now, as well as a closure that confirms it knows, and a `least`
+  /// covariance.
+  void hold(const Closure& closure, const math::Matrix6d& least);
   /// Closures (by provenance) that the graph rejects; none if it could not be solved, and then it is as before.
   struct Solution {
     bool solved = false;
@@ -81,12 +92,17 @@ class MapGraph {
   std::vector<double> weights_;   ///< of the edges; 0: rejected
   int num_since_gravity_ = 0;     ///< keyframes of the stretch that the latest gravity factor stands for
   std::vector<double> odometer_;
+  std::vector<int> num_bridges_;  ///< up to each keyframe
   std::vector<int> worlds_;       ///< of each map
   std::vector<int> islands_;      ///< of each map: the first one that it is connected to
   std::vector<MapBegin> begins_;
   math::SE3 T_map_last_;          ///< the last keyframe as the odometry had it
+  std::optional<math::Matrix6d> bridge_;  ///< from the last keyframe to the next one, if the IMU alone carries the pose
   std::optional<math::Matrix6d> gap_;  ///< from the last keyframe to the latest map, while that has none
 };
+
+/// Of a pose known to so much in all directions.
+[[nodiscard]] math::Matrix6d covariance_of(double rotation_deg, double position);
 
 /// Covariance of what the odometry says between two keyframes. docs/math/mapping.md, Eq. (1).
 [[nodiscard]] math::Matrix6d link_covariance(const math::SE3& T_from_to, const math::Matrix6d& pose_covariance,

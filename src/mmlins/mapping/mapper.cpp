@@ -32,14 +32,6 @@ Matrix6d of_keyframes(const Matrix6d& information, const SubmapRecord& source) {
   return turn * information * turn.transpose();
 }
 
-/// Covariance of a pose known to so much in all directions.
-Matrix6d spread(double rotation_deg, double position) {
-  const double rotation = rotation_deg * std::numbers::pi / 180.0;
-  math::Vector6d variances;
-  variances << math::Vector3d::Constant(rotation * rotation), math::Vector3d::Constant(position * position);
-  return variances.asDiagonal();
-}
-
 }  // namespace
 
 Mapper::Mapper(const MappingConfig& config, keyframe::KeyframeStore& store)
@@ -65,6 +57,12 @@ void Mapper::add(const keyframe::KeyframePointer& keyframe, const math::Matrix6d
     ++num_probes_;
     look_around(cutter_.pending(), false);
   }
+}
+
+void Mapper::bridge(const Matrix6d& covariance) {
+  // A submap must not hold what was seen before and after: it may not fit together.
+  end_map();
+  graph_.bridge(covariance);
 }
 
 void Mapper::end_map() {
@@ -161,11 +159,11 @@ Closure* Mapper::examine(const View& view, const PlaceCandidate& candidate) {
   if (candidate.prior) {
     const math::Vector6d apart = math::se3_log(candidate.prior->T_target_source.inverse() * fit.T_target_source);
     const registration::RegistrationConfig& limits = config_.verification.registration;
-    const Matrix6d known = spread(limits.observability.weak_rotation_deg, limits.observability.weak_position);
+    const Matrix6d known = covariance_of(limits.observability.weak_rotation_deg, limits.observability.weak_position);
     const math::Vector6d shift = known * (registration::compared_information(fit.information, known) * apart);
     closure.moved = shift.tail<3>().norm();
     closure.turned = shift.head<3>().norm();
-    const Matrix6d least = spread(config_.loop.confirmed_within_deg, config_.loop.confirmed_within);
+    const Matrix6d least = covariance_of(config_.loop.confirmed_within_deg, config_.loop.confirmed_within);
     closure.news = apart.dot(registration::compared_information(fit.information / kChance, least) * apart);
   }
   closures_.push_back(std::move(closure));

@@ -19,6 +19,7 @@ class Mapper final : public BackEndMapper {
 
   void begin_map(const MapBegin& begin) override;
   void add(const keyframe::KeyframePointer& keyframe, const math::Matrix6d& pose_covariance) override;
+  void bridge(const math::Matrix6d& covariance) override;
   void end_map() override;
 
   [[nodiscard]] const MapGraph& map_graph() const override { return graph_; }
@@ -45,6 +46,8 @@ class Mapper final : public BackEndMapper {
   [[nodiscard]] bool needs_ties(int map_a, int map_b) const;
   /// Uses a verified closure within a world.
   void use(Closure& closure);
+  /// Another closure that puts the robot where this one does, after a stretch that the IMU alone carried.
+  [[nodiscard]] Closure* fellow_of(const Closure& closure);
   /// @return false if the graph is better without what was added since `before`; then it is as it was
   bool solve(MapGraph before);
   void try_to_merge(int world_a, int world_b);

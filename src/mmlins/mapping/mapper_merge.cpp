@@ -33,15 +33,39 @@ bool Mapper::needs_ties(int map_a, int map_b) const {
 
 void Mapper::use(Closure& closure) {
   const bool ties_maps = needs_ties(closure.source_map, closure.target_map);
-  if (!ties_maps) quiet_until_ = graph_.odometer(closure.source) + config_.loop.pause;
-  if (!ties_maps && closure.moved >= 0.0 && closure.news <= 1.0) {
+  const bool is_bridged = graph_.is_bridged(closure.source, closure.target);
+  const bool is_known = closure.moved >= 0.0 && closure.news <= 1.0;
+  if (!ties_maps && (is_known || !is_bridged)) quiet_until_ = graph_.odometer(closure.source) + config_.loop.pause;
+  if (!ties_maps && is_known) {
     closure.state = ClosureState::kConfirmed;
+    // What the IMU alone carried is known no better by the odometry: another closure must not move it unasked.
+    if (is_bridged) graph_.hold(closure, covariance_of(config_.loop.confirmed_within_deg, config_.loop.confirmed_within));
     return;
   }
+  // The map may have been found again in the wrong place; but one closure that says so may be wrong as well.
+  Closure* fellow = is_bridged ? fellow_of(closure) : nullptr;
+  if (is_bridged && !ties_maps && !fellow) return;
   MapGraph before = graph_;
-  closure.state = ClosureState::kCounts;
-  graph_.add_closure(closure);
-  if (!solve(std::move(before))) closure.state = ClosureState::kRejected;
+  for (Closure* one : {&closure, fellow}) {
+    if (!one) continue;
+    one->state = ClosureState::kCounts;
+    graph_.add_closure(*one);
+  }
+  if (solve(std::move(before))) return;
+  closure.state = ClosureState::kRejected;
+  if (fellow) fellow->state = ClosureState::kRejected;
+}
+
+Closure* Mapper::fellow_of(const Closure& closure) {
+  const int world = graph_.world_of(closure.source_map);
+  const Placement placement = placement_of(closure, world);
+  const auto found = std::find_if(closures_.begin(), closures_.end(), [&](const Closure& other) {
+    return other.state == ClosureState::kWaiting && other.id != closure.id && other.target != closure.target &&
+           other.source != closure.source && graph_.world_of(other.source_map) == world &&
+           graph_.world_of(other.target_map) == world && !graph_.is_bridged(other.source, closure.source) &&
+           agree(placement_of(other, world), placement, config_.merge);
+  });
+  return found == closures_.end() ? nullptr : &*found;
 }
 
 bool Mapper::solve(MapGraph before) {

@@ -72,6 +72,9 @@ void PaperMapper::add(const keyframe::KeyframePointer& keyframe, const Matrix6d&
   contexts_.add(keyframe->id, std::move(context));
 }
 
+// The paper has no such place: its links all have one covariance.
+void PaperMapper::bridge(const Matrix6d&) {}
+
 void PaperMapper::end_map() { runs_.clear(); }
 
 // "Loop closure detection occurs in the active map": all maps that have become one with it.

@@ -22,6 +22,7 @@ class PaperMapper final : public BackEndMapper {
 
   void begin_map(const MapBegin& begin) override;
   void add(const keyframe::KeyframePointer& keyframe, const math::Matrix6d& pose_covariance) override;
+  void bridge(const math::Matrix6d& covariance) override;
   void end_map() override;
 
   [[nodiscard]] const MapGraph& map_graph() const override { return graph_; }

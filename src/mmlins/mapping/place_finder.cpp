@@ -113,6 +113,10 @@ std::optional<PlaceCandidate> PlaceFinder::around(const SubmapRecord& source, co
   }
   times_.search_ms += stopwatch.lap_ms();
   if (candidate.starts.empty()) return std::nullopt;
+  // Where it lies already must not fit as well.
+  if (graph_.world_of(source.map_id) == graph_.world_of(library_.records()[index].map_id)) {
+    candidate.starts.push_back(prior.T_target_source);
+  }
   return candidate;
 }
 

@@ -16,6 +16,10 @@ std::string evidence_of(const mapping::Closure& closure) {
       .dump();
 }
 
+std::string evidence_of(const graph::Edge& edge, const mapping::BackEndMapper& mapper) {
+  return edge.robust ? evidence_of(mapper.closures()[static_cast<std::size_t>(edge.provenance)]) : std::string();
+}
+
 std::string evidence_of(const mapping::Merge& merge) {
   return ordered_json{{"closures", merge.closures}, {"enhancing", merge.enhancing}, {"motion_between_was_known", merge.prior_known}}
       .dump();
@@ -61,7 +65,7 @@ Status AtlasRecorder::follow(const mapping::BackEndMapper& mapper) {
 Status AtlasRecorder::add_edges(const mapping::BackEndMapper& mapper) {
   const graph::PoseGraph& graph = mapper.map_graph().graph();
   for (std::size_t i = edge_ids_.size(); i < graph.edges.size(); ++i) {
-    const auto id = atlas_.add_edge({0, graph.edges[i], 1.0, ""});
+    const auto id = atlas_.add_edge({0, graph.edges[i], 1.0, evidence_of(graph.edges[i], mapper)});
     if (!id) return id.error();
     edge_ids_.push_back(*id);
     weights_.push_back(1.0);
@@ -113,9 +117,7 @@ atlas::GraphChange AtlasRecorder::change_of(const mapping::BackEndMapper& mapper
     const graph::Edge& edge = graph.edges[i];
     const double weight = i < weights.size() ? weights[i] : 1.0;
     if (i >= edge_ids_.size()) {
-      const std::string evidence =
-          edge.robust ? evidence_of(mapper.closures()[static_cast<std::size_t>(edge.provenance)]) : std::string();
-      change.new_edges.push_back({0, edge, weight, evidence});
+      change.new_edges.push_back({0, edge, weight, evidence_of(edge, mapper)});
       weights_.push_back(weight);
     } else if (weights_[i] != weight) {
       change.weights.push_back({edge_ids_[i], weight});

@@ -65,6 +65,9 @@ void BackEnd::perform(const MappingTask& task) {
     note(store_->add(added->keyframe));
     mapper_->add(added->keyframe, added->pose_covariance);
     if (recorder_) note(recorder_->follow(*mapper_));
+  } else if (const auto* bridge = std::get_if<Bridge>(&task)) {
+    mapper_->bridge(bridge->covariance);
+    if (recorder_) note(recorder_->follow(*mapper_));
   } else {
     mapper_->end_map();
     if (recorder_) note(recorder_->end_map(std::get<EndOfMap>(task).record, *mapper_));

@@ -27,7 +27,11 @@ struct NewKeyframe {
   keyframe::KeyframePointer keyframe;
   math::Matrix6d pose_covariance = math::Matrix6d::Zero();  ///< against its map, in T Exp(e)
 };
-using MappingTask = std::variant<BeginOfMap, NewKeyframe, EndOfMap>;
+/// The IMU alone carried the pose from the keyframe before to the next.
+struct Bridge {
+  math::Matrix6d covariance = math::Matrix6d::Zero();  ///< of what it carried, in T Exp(e)
+};
+using MappingTask = std::variant<BeginOfMap, NewKeyframe, Bridge, EndOfMap>;
 
 class BackEnd {
  public:

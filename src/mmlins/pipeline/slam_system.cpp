@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "mmlins/pipeline/slam_system.hpp"
 
+#include <cmath>
+#include <optional>
 #include <utility>
 
 #include "mmlins/base/log.hpp"
@@ -38,6 +40,13 @@ ScanRecord to_record(const odometry::ScanResult& result, double read_ms) {
   return record;
 }
 
+/// In T_odom_imu Exp(e).
+math::Matrix6d pose_covariance(const imu::Estimate& estimate) {
+  math::Matrix6d to_body = math::Matrix6d::Identity();
+  to_body.bottomRightCorner<3, 3>() = estimate.state.R_odom_imu.transpose();
+  return to_body * estimate.P.topLeftCorner<6, 6>() * to_body.transpose();
+}
+
 class Runner {
  public:
   Runner(const sensor::Rig& rig, const SlamConfig& config, const Observer& observer, atlas::Atlas* atlas)
@@ -59,6 +68,8 @@ class Runner {
   void hand_on(const odometry::ScanResult& result, const math::SE3& T_map_imu);
   void begin_map(const odometry::MapRecord& map);
   void hand_on(keyframe::Keyframe keyframe, const imu::Estimate& estimate);
+  /// The IMU alone has carried the pose since the last scan that was placed.
+  void hand_on_bridge(const math::Matrix6d& covariance);
   /// Waits for the back end, and puts everything where it lies in the end.
   void settle();
 
@@ -68,6 +79,7 @@ class Runner {
   odometry::LidarInertialOdometry odometry_;
   keyframe::KeyframeBuilder builder_;
   imu::Estimate last_placed_;
+  std::optional<math::Matrix6d> bridged_;  ///< covariance of the pose that the IMU carries, since the last placed scan
   int latest_map_ = -1;
   BackEnd back_end_;
   const Observer& observer_;
@@ -144,6 +156,7 @@ void Runner::begin_map(const odometry::MapRecord& map) {
     back_end_.add(EndOfMap{odometry_.maps()[static_cast<std::size_t>(latest_map_)]});
   }
   latest_map_ = map.id;
+  bridged_.reset();
   mapping::MapBegin begin{map.id, map.T_first_map, std::nullopt};
   if (map.gap && map.gap->is_known) begin.gap_covariance = map.gap->covariance;
   back_end_.add(BeginOfMap{begin, map});
@@ -151,7 +164,11 @@ void Runner::begin_map(const odometry::MapRecord& map) {
 
 void Runner::hand_on(const odometry::ScanResult& result, const math::SE3& T_map_imu) {
   while (latest_map_ < result.map_id) begin_map(odometry_.maps()[static_cast<std::size_t>(latest_map_ + 1)]);
-  if (!odometry::is_placed(result.state)) return;
+  if (!odometry::is_placed(result.state)) {
+    bridged_ = pose_covariance(result.estimate);
+    return;
+  }
+  if (const auto bridged = std::exchange(bridged_, std::nullopt)) hand_on_bridge(*bridged);
   last_placed_ = result.estimate;
   const imu::NavState& state = result.estimate.state;
   std::vector<float> intensities;
@@ -163,12 +180,17 @@ void Runner::hand_on(const odometry::ScanResult& result, const math::SE3& T_map_
   if (auto keyframe = builder_.add(scan)) hand_on(std::move(*keyframe), result.estimate);
 }
 
+void Runner::hand_on_bridge(const math::Matrix6d& covariance) {
+  // What the IMU carries as well as registration tells is no worse than odometry.
+  const double deviation = std::sqrt(covariance.bottomRightCorner<3, 3>().trace());
+  if (deviation < config_.mapping.loop.confirmed_within) return;
+  if (auto last = builder_.finish()) hand_on(std::move(*last), last_placed_);
+  back_end_.add(Bridge{covariance});
+}
+
 void Runner::hand_on(keyframe::Keyframe keyframe, const imu::Estimate& estimate) {
-  math::Matrix6d to_body = math::Matrix6d::Identity();
-  to_body.bottomRightCorner<3, 3>() = estimate.state.R_odom_imu.transpose();
   result_.mapping.keyframes.push_back({keyframe.time, keyframe.map_id, keyframe.T_map_imu, {}});
-  back_end_.add(NewKeyframe{std::make_shared<keyframe::Keyframe>(std::move(keyframe)),
-                            to_body * estimate.P.topLeftCorner<6, 6>() * to_body.transpose()});
+  back_end_.add(NewKeyframe{std::make_shared<keyframe::Keyframe>(std::move(keyframe)), pose_covariance(estimate)});
 }
 
 void Runner::settle() {
