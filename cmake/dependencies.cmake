@@ -11,6 +11,7 @@ find_package(Ceres 2.1 REQUIRED)
 find_package(SQLite3 REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(PNG REQUIRED)
+find_package(Boost 1.74 REQUIRED)
 # The CMake package of librosbag-storage asks for packages of a whole ROS; its library alone is enough.
 find_library(ROSBAG_STORAGE_LIBRARY rosbag_storage REQUIRED)
 find_library(ROSCPP_SERIALIZATION_LIBRARY roscpp_serialization REQUIRED)

@@ -21,13 +21,14 @@ WRAPPED = {
     "zlib.h": ["src/mmlins/atlas"],
     "rosbag": ["src/mmlins/io"],
     "ros": ["src/mmlins/io"],
-    "nlohmann": ["src/mmlins/pipeline", "src/mmlins/report", "apps"],
+    "nlohmann": ["src/mmlins/pipeline", "src/mmlins/report", "src/mmlins/view", "apps"],
+    "boost": ["src/mmlins/view"],
     "png.h": ["src/mmlins/report"],
     "CLI": ["apps"],
 }
 CODE = {".hpp", ".cpp", ".h", ".cc"}
 TEXT = CODE | {".py", ".md", ".txt", ".cmake", ".yaml", ".json", ".sh", ""}
-FOLDERS = ["src", "apps", "tests", "benchmarks", "tools", "scripts", "cmake", "docs", "config", ".ci"]
+FOLDERS = ["src", "apps", "tests", "benchmarks", "tools", "scripts", "cmake", "docs", "config", "web", ".ci"]
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 MACHINE_PATH = re.compile(r"(?<![\w.~})])/(?:home|root|work|Users)/\w")
 

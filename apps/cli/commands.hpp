@@ -15,6 +15,7 @@ void add_evaluate(CLI::App& program, int& exit_code);
 void add_simulate(CLI::App& program, int& exit_code);
 void add_degrade(CLI::App& program, int& exit_code);
 void add_maps(CLI::App& program, int& exit_code);
+void add_view(CLI::App& program, int& exit_code);
 void add_config(CLI::App& program, int& exit_code);
 
 /// Prints the one line of an error to standard error. @return the exit code for it

@@ -47,6 +47,7 @@ int run_program(int argc, char** argv) {
   add_simulate(program, exit_code);
   add_degrade(program, exit_code);
   add_maps(program, exit_code);
+  add_view(program, exit_code);
   add_config(program, exit_code);
   CLI11_PARSE(program, argc, argv);
   return exit_code;
