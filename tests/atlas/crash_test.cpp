@@ -156,7 +156,8 @@ void write_merges(const std::string& folder, const Progress& progress) {
     for (int id = 0; id < kMergeKeyframes; ++id) change.T_map_imu_optimised.push_back({id, numbered_pose(n)});
     change.T_world_map = {{0, numbered_pose(n)}, {1, numbered_pose(n)}};
     change.worlds = {{1, n}};
-    require(atlas->commit_merge(MergeRow{}, change).ok());
+    change.new_merges = {MergeRow{}};
+    require(atlas->apply(change).ok());
     progress.tell(n);
   }
 }

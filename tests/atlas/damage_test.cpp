@@ -243,7 +243,8 @@ TEST_F(Damage, IsNotWhatDeletingAMapDoesToTheOthers) {
     auto atlas = Atlas::open(place_, Access::kWrite);
     GraphChange merged;
     merged.worlds = {{1, 0}};
-    ASSERT_TRUE(atlas->commit_merge(MergeRow{}, merged).ok());
+    merged.new_merges = {MergeRow{}};
+    ASSERT_TRUE(atlas->apply(merged).ok());
     ASSERT_TRUE(atlas->add_place(example_place(0, 3)).ok());
     EXPECT_FALSE(atlas->delete_map(5).ok());
     const auto removed = atlas->delete_map(0);

@@ -39,7 +39,8 @@ bool write_maps(Atlas& atlas) {
   merge.map = 1;
   merge.kind = "recognised";
   merge.evidence = R"({"overlap": 0.7})";
-  return ok && atlas.commit_merge(merge, change).ok();
+  change.new_merges = {merge};
+  return ok && atlas.apply(change).ok();
 }
 
 /// Tells the number of keyframes committed, a line each time.

@@ -169,18 +169,21 @@ TEST(Atlas, CommitsAMergeWithItsEdgesPosesAndWorlds) {
     change.T_map_imu_optimised = {{1, example_pose(3)}};
     change.T_world_map = {{1, example_pose(4)}};
     change.worlds = {{1, 0}};
-    const auto committed = atlas.commit_merge(merge, change);
+    change.new_merges = {merge};
+    const auto committed = atlas.apply(change);
     ASSERT_TRUE(committed.ok()) << committed.error().message;
     ASSERT_EQ(committed->edge_ids.size(), 2U);
     GraphChange undo;
     undo.weights = {{committed->edge_ids[0], 0.0}};
-    ASSERT_TRUE(atlas.commit_merge(merge, {}).ok());
-    ASSERT_TRUE(atlas.undo_merge(committed->merge_id, undo).ok());
+    undo.new_merges = {merge};
+    undo.undone_merges = {{committed->merge_ids.at(0), R"({"why":1})"}};
+    ASSERT_TRUE(atlas.apply(undo).ok());
   }
   const Atlas atlas = opened(folder);
   const auto merges = atlas.merges();
   ASSERT_EQ(merges->size(), 2U);
   EXPECT_TRUE((*merges)[0].undone);
+  EXPECT_EQ((*merges)[0].evidence, R"({"why":1})");
   EXPECT_FALSE((*merges)[1].undone);
   EXPECT_EQ((*merges)[1].kind, "recognised");
   EXPECT_EQ((*merges)[1].time, time_from_ns(5));

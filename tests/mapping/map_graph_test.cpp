@@ -196,6 +196,38 @@ TEST(MapGraph, MovesAndJoinsWorlds) {
   EXPECT_FALSE(grown.graph.are_connected(0, 2));
 }
 
+TEST(MapGraph, PutsAMapBackThatWasJoined) {
+  for (const bool has_gap : {true, false}) {
+    Grown grown;
+    grown.graph.begin_map({0, {}, std::nullopt});
+    grown.add(4, 0);
+    grown.graph.begin_map({1, at(10), has_gap ? std::optional<Matrix6d>(kGap) : std::nullopt});
+    grown.add(4, 1);
+    grown.graph.begin_map({2, at(20), kGap});
+    grown.add(4, 2);
+    const MapGraph before = grown.graph;
+    const SE3 T_new_old = kTurned * at(-10);
+    grown.graph.move_world(1, T_new_old);
+    grown.graph.join(1, 0);
+    const SE3 T_target_source = at(2).inverse() * kTurned * at(1);
+    grown.graph.add_closure(closure_between(5, 2, T_target_source, grown.graph));
+    ASSERT_TRUE(grown.graph.optimize().solved);
+    EXPECT_LT(apart(grown.graph.T_world_keyframe(5), kTurned * at(1)), 0.01);
+    const std::vector<int> moved{1};
+    grown.graph.separate(moved, T_new_old);
+    ASSERT_TRUE(grown.graph.optimize().solved);
+    EXPECT_EQ(grown.graph.world_of(1), 1);
+    EXPECT_EQ(grown.graph.world_of(2), 2);
+    EXPECT_EQ(grown.graph.are_connected(0, 1), has_gap);
+    EXPECT_TRUE(grown.graph.are_connected(1, 2));
+    EXPECT_EQ(count_of(grown.graph, graph::EdgeKind::kMerge), 0);
+    // To the tolerance of the optimiser.
+    for (int id = 0; id < 12; ++id) {
+      EXPECT_LT(apart(grown.graph.T_world_keyframe(id), before.T_world_keyframe(id)), 1e-5) << id << has_gap;
+    }
+  }
+}
+
 TEST(MapGraph, MeasuresGravityOnceInAStretch) {
   LinkConfig link;
   link.gravity_every = 5;

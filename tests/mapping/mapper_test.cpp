@@ -152,5 +152,37 @@ TEST(Mapper, TakesTwinHallsOfWhichNothingIsKnownForOne) {
   EXPECT_GT(mapping_test::largest_error(*run.mapper, twin_halls()[1]), 45.0);
 }
 
+/// One map in one of the twin halls, and one that begins in the other and leads back into the first.
+const std::vector<SimulatedMap>& there_and_back() {
+  static const std::vector<SimulatedMap> maps = [] {
+    const place_test::Site site(sim::SceneKind::kDecoy, 1, kHallSpeed);
+    std::vector<SimulatedMap> made{mapping_test::make_map(site.drive({.from = 2.0, .duration = 34.0}), 0, 0)};
+    const int num = static_cast<int>(made[0].keyframes.size());
+    made.push_back(mapping_test::make_map(site.drive({.from = 78.0, .duration = 90.0, .seed = 2}), 1, num));
+    return made;
+  }();
+  return maps;
+}
+
+TEST(Mapper, TakesAMergeBackThatIsContradictedLater) {
+  const Mapped run(there_and_back());
+  // Joined by looks while it is in the wrong hall, and not again once it has been in the right one: half of what was
+  // seen speaks for either.
+  ASSERT_EQ(run.mapper->merges().size(), 1U);
+  const Merge& merge = run.mapper->merges().front();
+  ASSERT_TRUE(merge.undone);
+  EXPECT_GT(*merge.undone, merge.time);
+  EXPECT_NE(merge.why_undone.find("48.60 m elsewhere"), std::string::npos) << merge.why_undone;
+  EXPECT_EQ(run.mapper->map_graph().world_of(1), 1);
+  EXPECT_FALSE(run.mapper->map_graph().are_connected(0, 1));
+  // Both are as their own odometry has them, which is true here.
+  const SE3 T_back = run.mapper->map_graph().T_world_keyframe(there_and_back()[1].keyframes.front()->id) *
+                     there_and_back()[1].T_scene_imu.front().inverse();
+  for (std::size_t i = 0; i < there_and_back()[1].keyframes.size(); ++i) {
+    const SE3 T = run.mapper->map_graph().T_world_keyframe(there_and_back()[1].keyframes[i]->id);
+    EXPECT_LT((T.t - T_back * there_and_back()[1].T_scene_imu[i].t).norm(), 0.02) << i;
+  }
+}
+
 }  // namespace
 }  // namespace mmlins::mapping

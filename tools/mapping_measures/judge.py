@@ -33,7 +33,7 @@ def judged_merges(run: Run, truth: Track) -> list[JudgedMerge]:
     is told at the middle of the side that moved."""
     groups = {m: {m} for m in run.worlds}
     judged = []
-    for merge in run.merges:
+    for merge in (merge for merge in run.merges if "undone" not in merge):
         into, moved = groups.pop(merge["into"]), groups.pop(merge["map"])
         judged.append(JudgedMerge(merge["map"], merge["into"], side_error(run, truth, into, moved), float(merge["time"])))
         groups[min(merge["into"], merge["map"])] = into | moved

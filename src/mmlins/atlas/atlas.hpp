@@ -25,9 +25,9 @@ struct AtlasOptions {
 
 enum class Access { kRead, kWrite };
 
-/// What a change was given: the id of the merge (-1 if it was none) and of the new edges, in their order.
+/// What a change was given: the ids of the new merges and of the new edges, in their order.
 struct Committed {
-  int merge_id = -1;
+  std::vector<int> merge_ids;
   std::vector<std::int64_t> edge_ids;
 };
 
@@ -83,10 +83,8 @@ class Atlas {
   /// AtlasOptions::batch_keyframes keyframes it happens by itself.
   [[nodiscard]] Status commit();
 
-  /// These commit the batch, and then the change in a transaction of its own: all of it or nothing.
+  /// Commits the batch, and then the change in a transaction of its own: all of it or nothing.
   [[nodiscard]] Result<Committed> apply(const GraphChange& change);
-  [[nodiscard]] Result<Committed> commit_merge(const MergeRow& merge, const GraphChange& change);
-  [[nodiscard]] Result<Committed> undo_merge(int merge_id, const GraphChange& change);
   /// A map with all that refers to it. Space in chunk files that hold points of other maps too is not given
   /// back.
   [[nodiscard]] Result<Removed> delete_map(int map_id);
@@ -111,8 +109,7 @@ class Atlas {
   [[nodiscard]] Status become_writer();
   [[nodiscard]] Status begin_batch();
   [[nodiscard]] Result<RecordPlace> append_points(const keyframe::Keyframe& keyframe);
-  [[nodiscard]] Result<Committed> change_graph(const GraphChange& change, const MergeRow* merge,
-                                               int undone_merge);
+  [[nodiscard]] Status write_merges(const GraphChange& change, Committed& committed);
   [[nodiscard]] Status write_poses(const GraphChange& change);
   [[nodiscard]] Result<std::int64_t> insert_edge(const EdgeRow& edge);
   [[nodiscard]] Result<std::int64_t> remove_unused_chunks();

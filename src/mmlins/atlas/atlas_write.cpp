@@ -149,24 +149,29 @@ Status Atlas::write_poses(const GraphChange& change) {
   return {};
 }
 
-Result<Committed> Atlas::change_graph(const GraphChange& change, const MergeRow* merge, int undone_merge) {
+Status Atlas::write_merges(const GraphChange& change, Committed& committed) {
+  Statement insert = database_->prepare("INSERT INTO merge VALUES(NULL, ?, ?, ?, ?, ?, ?, ?, ?)");
+  for (const MergeRow& merge : change.new_merges) {
+    insert.bind(merge.time).bind(merge.map).bind(merge.into).bind(merge.kind).bind(merge.evidence);
+    insert.bind(pose_bytes(merge.T_before)).bind(pose_bytes(merge.T_after)).bind(merge.undone);
+    if (const Status status = insert.run(); !status) return status;
+    committed.merge_ids.push_back(static_cast<int>(database_->last_id()));
+  }
+  Statement undo = database_->prepare(
+      "UPDATE merge SET undone = 1, evidence = CASE ?1 WHEN '' THEN evidence ELSE ?1 END WHERE id = ?2");
+  for (const UndoneMerge& undone : change.undone_merges) {
+    if (const Status status = undo.bind(undone.evidence).bind(undone.id).run(); !status) return status;
+  }
+  return {};
+}
+
+Result<Committed> Atlas::apply(const GraphChange& change) {
   if (const Status status = begin_batch(); !status) return status.error();
   if (const Status status = commit(); !status) return status.error();
   Transaction transaction(*database_);
   if (const Status status = transaction.begin(); !status) return status.error();
   Committed committed;
-  if (merge != nullptr) {
-    Statement insert = database_->prepare("INSERT INTO merge VALUES(NULL, ?, ?, ?, ?, ?, ?, ?, ?)");
-    insert.bind(merge->time).bind(merge->map).bind(merge->into).bind(merge->kind).bind(merge->evidence);
-    insert.bind(pose_bytes(merge->T_before)).bind(pose_bytes(merge->T_after)).bind(merge->undone);
-    if (const Status status = insert.run(); !status) return status.error();
-    committed.merge_id = static_cast<int>(database_->last_id());
-  }
-  if (undone_merge >= 0) {
-    Statement undo = database_->prepare("UPDATE merge SET undone = 1 WHERE id = ?");
-    if (const Status status = undo.bind(undone_merge).run(); !status) return status.error();
-    committed.merge_id = undone_merge;
-  }
+  if (const Status status = write_merges(change, committed); !status) return status.error();
   for (const EdgeRow& edge : change.new_edges) {
     const auto id = insert_edge(edge);
     if (!id) return id.error();
@@ -175,14 +180,6 @@ Result<Committed> Atlas::change_graph(const GraphChange& change, const MergeRow*
   if (const Status status = write_poses(change); !status) return status.error();
   if (const Status status = transaction.commit(); !status) return status.error();
   return committed;
-}
-
-Result<Committed> Atlas::apply(const GraphChange& change) { return change_graph(change, nullptr, -1); }
-Result<Committed> Atlas::commit_merge(const MergeRow& merge, const GraphChange& change) {
-  return change_graph(change, &merge, -1);
-}
-Result<Committed> Atlas::undo_merge(int merge_id, const GraphChange& change) {
-  return change_graph(change, nullptr, merge_id);
 }
 
 }  // namespace mmlins::atlas

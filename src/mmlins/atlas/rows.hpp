@@ -95,8 +95,16 @@ struct MapWorld {
   int world = 0;
 };
 
+/// A merge that was taken back.
+struct UndoneMerge {
+  int id = 0;
+  std::string evidence;  ///< JSON that replaces what stood there; empty: that stays
+};
+
 /// What the back end found out, to be written all at once.
 struct GraphChange {
+  std::vector<MergeRow> new_merges;
+  std::vector<UndoneMerge> undone_merges;
   std::vector<EdgeRow> new_edges;
   std::vector<EdgeWeight> weights;
   std::vector<PosedId> T_map_imu_optimised;  ///< of keyframes

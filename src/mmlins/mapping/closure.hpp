@@ -2,6 +2,7 @@
 #pragma once
 // What the back end found out, with its evidence.
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -47,6 +48,7 @@ struct Closure {
   double moved = 0.0;   ///< from where the graph had it, along what is determined [m]; -1 if it had no idea
   double turned = 0.0;  ///< the same of its rotation [rad]
   double news = 0.0;    ///< above 1 it says something new: it is farther from there than its own deviation explains
+  bool contradicts = false;  ///< refused only because two maps that were joined would have to lie elsewhere
   std::string reason;         ///< the verdict in one line
 };
 
@@ -61,6 +63,10 @@ struct Merge {
   math::SE3 T_new_old;        ///< what moved its maps, before optimisation
   bool prior_known = false;   ///< whether the IMU had carried the pose from one to the other
   int num_keyframes = 0;      ///< there were when it was done
+  std::vector<int> moved_maps;  ///< of the world that moved, at that time
+  std::vector<int> into_maps;   ///< of the other
+  std::optional<Time> undone;   ///< when it was taken back, if it was
+  std::string why_undone;
 };
 
 }  // namespace mmlins::mapping

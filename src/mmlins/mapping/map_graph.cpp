@@ -54,7 +54,12 @@ void MapGraph::begin_map(const MapBegin& begin) {
   begins_.push_back(begin);
   worlds_.push_back(begin.map_id);
   islands_.push_back(begin.map_id);
-  if (gap_) islands_.back() = islands_[static_cast<std::size_t>(graph_.nodes.back().map)];
+  gap_islands_.push_back(begin.map_id);
+  if (gap_) {
+    const auto before = static_cast<std::size_t>(graph_.nodes.back().map);
+    islands_.back() = islands_[before];
+    gap_islands_.back() = gap_islands_[before];
+  }
   SE3 T_world_map = begin.T_world_map;
   if (!graph_.nodes.empty()) {
     // Where the map before has been moved since, this one goes along.
@@ -138,6 +143,46 @@ void MapGraph::join(int world, int into) {
   replace_all(worlds_, world, into);
   const int island = islands_[static_cast<std::size_t>(into)], other = islands_[static_cast<std::size_t>(world)];
   replace_all(islands_, std::max(island, other), std::min(island, other));
+}
+
+void MapGraph::separate(std::span<const int> maps, const SE3& T_new_old) {
+  const auto is_out = [&](int map) { return std::find(maps.begin(), maps.end(), map) != maps.end(); };
+  SE3 T_back = T_new_old.inverse();
+  bool by_gap = false;
+  std::vector<graph::Edge> edges;
+  std::vector<double> weights;
+  for (std::size_t i = 0; i < graph_.edges.size(); ++i) {
+    const graph::Edge& edge = graph_.edges[i];
+    const bool from_out = is_out(map_of(static_cast<int>(edge.from))), to_out = is_out(map_of(static_cast<int>(edge.to)));
+    if (from_out != to_out && edge.robust) continue;
+    edges.push_back(edge);
+    weights.push_back(weights_[i]);
+    // Maps that come after them follow them, and not they those.
+    if (from_out || !to_out || std::exchange(by_gap, true)) continue;
+    T_back = T_world_keyframe(static_cast<int>(edge.from)) * edge.T_from_to * T_world_keyframe(static_cast<int>(edge.to)).inverse();
+  }
+  graph_.edges = std::move(edges);
+  weights_ = std::move(weights);
+  const int world = world_of(maps.front());
+  int first_in = -1, first_out = -1;
+  for (std::size_t map = 0; map < worlds_.size(); ++map) {
+    if (worlds_[map] != world) continue;
+    int& first = is_out(static_cast<int>(map)) ? first_out : first_in;
+    if (first < 0) first = static_cast<int>(map);
+    worlds_[map] = first;  // no later map is compared with this one
+  }
+  for (graph::Anchor& anchor : graph_.anchors) {
+    if (is_out(anchor.map)) anchor.T_world_map = T_back * anchor.T_world_map;
+  }
+  connect_again();
+}
+
+void MapGraph::connect_again() {
+  islands_ = gap_islands_;
+  for (std::size_t map = 0; map < worlds_.size(); ++map) {
+    const int a = islands_[map], b = islands_[static_cast<std::size_t>(worlds_[map])];
+    replace_all(islands_, std::max(a, b), std::min(a, b));
+  }
 }
 
 void MapGraph::add_closure(const Closure& closure) {

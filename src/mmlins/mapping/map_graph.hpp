@@ -65,6 +65,9 @@ class MapGraph {
   void move_world(int world, const math::SE3& T_new_old);
   /// From now on two worlds are one.
   void join(int world, int into);
+  /// Takes maps out of their world again, with all closures that tied them to it: they lie where gaps say, or where
+  /// they lay before T_new_old moved them. To be optimised afterwards.
+  void separate(std::span<const int> maps, const math::SE3& T_new_old);
   /// Adds a closure as an edge.
   void add_closure(const Closure& closure);
   /// Holds two keyframes where they lie to each other now, as well as a closure that confirms it knows, and a `least`
@@ -84,6 +87,7 @@ class MapGraph {
   [[nodiscard]] const std::vector<double>& weights() const { return weights_; }
 
  private:
+  void connect_again();
   void add_gravity(const keyframe::Keyframe& keyframe, bool is_first);
 
   LinkConfig link_;
@@ -94,6 +98,7 @@ class MapGraph {
   std::vector<double> odometer_;
   std::vector<int> num_bridges_;  ///< up to each keyframe
   std::vector<int> worlds_;       ///< of each map
+  std::vector<int> gap_islands_;  ///< of each map: the first one that gaps lead to
   std::vector<int> islands_;      ///< of each map: the first one that it is connected to
   std::vector<MapBegin> begins_;
   math::SE3 T_map_last_;          ///< the last keyframe as the odometry had it

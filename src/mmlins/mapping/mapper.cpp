@@ -109,8 +109,12 @@ void Mapper::find_known_places(const View& view, const place::PlaceDescriptor& d
       if (target_world == world ? is_quiet : !may_join) continue;
       examined.push_back(candidate.index);
       Closure* closure = examine(view, candidate);
-      if (!closure || closure->state != ClosureState::kWaiting) continue;
-      if (target_world == world) {
+      if (!closure) continue;
+      if (closure->state == ClosureState::kRefused) {
+        for (const int merge : merges_between(*closure)) review(merge);
+      }
+      if (closure->state != ClosureState::kWaiting) continue;
+      if (target_world == world && graph_.world_of(closure->source_map) == graph_.world_of(closure->target_map)) {
         use(*closure);
         return true;
       }
@@ -134,9 +138,8 @@ Closure* Mapper::examine(const View& view, const PlaceCandidate& candidate) {
   if (candidate.origin == ClosureOrigin::kRecognised) {
     for (SE3& start : starts) start = registration::fit_height(view.loaded->submap, (*loaded)->submap, start, kHeightRange);
   }
-  const registration::Verification verdict = registration::verify(view.loaded->prepared, (*loaded)->prepared, starts,
-                                                                  candidate.prior, config_.verification);
-  times_.verify += stopwatch.lap_ms();
+  registration::Verification verdict = registration::verify(view.loaded->prepared, (*loaded)->prepared, starts,
+                                                            candidate.prior, config_.verification);
   Closure closure;
   closure.id = static_cast<int>(closures_.size());
   closure.source = view.record.id;
@@ -166,6 +169,12 @@ Closure* Mapper::examine(const View& view, const PlaceCandidate& candidate) {
     const Matrix6d least = covariance_of(config_.loop.confirmed_within_deg, config_.loop.confirmed_within);
     closure.news = apart.dot(registration::compared_information(fit.information / kChance, least) * apart);
   }
+  if (verdict.refused_by_prior && !merges_between(closure).empty()) {
+    // Where it should be follows from a merge, which may be the one that is wrong.
+    closure.contradicts = registration::verify(view.loaded->prepared, (*loaded)->prepared, {&fit.T_target_source, 1},
+                                               std::nullopt, config_.verification).accepted;
+  }
+  times_.verify += stopwatch.lap_ms();
   closures_.push_back(std::move(closure));
   return &closures_.back();
 }

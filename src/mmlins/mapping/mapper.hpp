@@ -51,13 +51,21 @@ class Mapper final : public BackEndMapper {
   /// @return false if the graph is better without what was added since `before`; then it is as it was
   bool solve(MapGraph before);
   void try_to_merge(int world_a, int world_b);
-  [[nodiscard]] Placement placement_of(const Closure& closure, int world) const;
+  [[nodiscard]] Placement placement_of(const Closure& closure, bool source_moves) const;
+  [[nodiscard]] Placement placement_of(const Closure& closure, int world) const {
+    return placement_of(closure, graph_.world_of(closure.source_map) == world);
+  }
   /// Whether the graph, by gaps too, has the two keyframes about where the closure says.
   [[nodiscard]] bool is_as_predicted(const Closure& closure) const;
   /// Closures of two worlds that lie as `like` has them, but see through each other's walls.
   [[nodiscard]] int num_seen_through(int into, int world, const Placement& like) const;
+  /// Merges that have stood so far and put the one end of this closure into the frame of the other.
+  [[nodiscard]] std::vector<int> merges_between(const Closure& closure) const;
+  /// Whether the merge would be made again, by all that is known now; otherwise it is taken back.
+  void review(int merge_id);
+  void dissolve(int merge_id, const std::string& why);
   [[nodiscard]] bool commit(Merge merge);
-  void enhance(Merge& merge, const std::vector<int>& maps_before);
+  void enhance(Merge& merge);
 
   MappingConfig config_;
   MapGraph graph_;

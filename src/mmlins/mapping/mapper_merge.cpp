@@ -20,6 +20,8 @@ constexpr double kMaxSurprise = 6.0;
 /// 99.9 % of true closures are nearer to what all others say, in six directions.
 constexpr double kMaxClosureChi2 = 22.5;
 
+bool contains(const std::vector<int>& values, int value) { return std::find(values.begin(), values.end(), value) != values.end(); }
+
 }  // namespace
 
 bool Mapper::needs_ties(int map_a, int map_b) const {
@@ -81,8 +83,7 @@ bool Mapper::solve(MapGraph before) {
   return true;
 }
 
-Placement Mapper::placement_of(const Closure& closure, int world) const {
-  const bool source_moves = graph_.world_of(closure.source_map) == world;
+Placement Mapper::placement_of(const Closure& closure, bool source_moves) const {
   const SE3 T_world_source = graph_.T_world_keyframe(closure.source);
   const SE3 T_world_target = graph_.T_world_keyframe(closure.target);
   Placement placement;
@@ -111,7 +112,12 @@ void Mapper::try_to_merge(int world_a, int world_b) {
   const bool prior_known = graph_.are_connected(into, world);
   // Places that look alike are found where the IMU cannot have carried the pose.
   if (prior_known && !is_as_predicted(closures_[static_cast<std::size_t>(ids[agreeing.front()])])) return;
-  const int needed = prior_known ? config_.merge.num_agreeing_with_prior : config_.merge.num_agreeing;
+  const auto num_undone = static_cast<int>(std::count_if(merges_.begin(), merges_.end(), [&](const Merge& merge) {
+    return merge.undone && std::minmax(graph_.world_of(merge.world), graph_.world_of(merge.into)) == std::minmax(into, world);
+  }));
+  // Who was wrong once must have more to say.
+  const int needed = prior_known && num_undone == 0 ? config_.merge.num_agreeing_with_prior
+                                                    : config_.merge.num_agreeing * (1 + num_undone);
   const double needed_span = prior_known ? config_.merge.min_span_with_prior : config_.merge.min_span;
   if (static_cast<int>(agreeing.size()) < needed) return;
   double first_way = placements[agreeing.front()].source_way, last_way = first_way, weight = 0.0, total = 0.0;
@@ -131,7 +137,7 @@ void Mapper::try_to_merge(int world_a, int world_b) {
   };
   if (std::none_of(merge.closures.begin(), merge.closures.end(), leads_elsewhere)) return;
   // Others tell another story: wait until one of them is clearly the longer.
-  if (last_way - first_way < needed_span || total - weight > 0.5 * weight) return;
+  if (last_way - first_way < needed_span || total - weight > kRivalShare * weight) return;
   if (3 * num_seen_through(into, world, placements[best]) >= static_cast<int>(agreeing.size())) return;
   merge.world = world;
   merge.into = into;
@@ -159,9 +165,9 @@ int Mapper::num_seen_through(int into, int world, const Placement& like) const {
 
 bool Mapper::commit(Merge merge) {
   MapGraph before = graph_;
-  std::vector<int> maps_before;
   for (int map = 0; map <= latest_map_; ++map) {
-    if (graph_.world_of(map) == merge.into) maps_before.push_back(map);
+    if (graph_.world_of(map) == merge.into) merge.into_maps.push_back(map);
+    if (graph_.world_of(map) == merge.world) merge.moved_maps.push_back(map);
   }
   graph_.move_world(merge.world, merge.T_new_old);
   graph_.join(merge.world, merge.into);
@@ -185,14 +191,14 @@ bool Mapper::commit(Merge merge) {
   merge.id = static_cast<int>(merges_.size());
   merge.time = now_;
   merge.num_keyframes = graph_.num_keyframes();
-  enhance(merge, maps_before);
+  enhance(merge);
   log::info("map {} is joined to map {} by {} closures", merge.world, merge.into, merge.closures.size() + merge.enhancing.size());
   merges_.push_back(std::move(merge));
   return true;
 }
 
-void Mapper::enhance(Merge& merge, const std::vector<int>& maps_before) {
-  const auto was_in = [&](int map) { return std::find(maps_before.begin(), maps_before.end(), map) != maps_before.end(); };
+void Mapper::enhance(Merge& merge) {
+  const auto was_in = [&](int map) { return contains(merge.into_maps, map); };
   const MapGraph before = graph_;
   bool added = false;
   for (std::size_t index = 0; index < library_.records().size(); ++index) {

@@ -21,8 +21,14 @@ std::string evidence_of(const graph::Edge& edge, const mapping::BackEndMapper& m
 }
 
 std::string evidence_of(const mapping::Merge& merge) {
-  return ordered_json{{"closures", merge.closures}, {"enhancing", merge.enhancing}, {"motion_between_was_known", merge.prior_known}}
-      .dump();
+  ordered_json evidence{
+      {"closures", merge.closures}, {"enhancing", merge.enhancing}, {"motion_between_was_known", merge.prior_known}};
+  if (merge.undone) evidence["undone_because"] = merge.why_undone;
+  return evidence.dump();
+}
+
+bool is_same(const graph::Edge& a, const graph::Edge& b) {
+  return a.from == b.from && a.to == b.to && a.robust == b.robust && a.provenance == b.provenance;
 }
 
 }  // namespace
@@ -49,7 +55,7 @@ Status AtlasRecorder::end_map(const odometry::MapRecord& map, const mapping::Bac
 }
 
 Status AtlasRecorder::follow(const mapping::BackEndMapper& mapper) {
-  const bool changed = mapper.revision() != revision_ || mapper.merges().size() != num_merges_;
+  const bool changed = mapper.revision() != revision_ || mapper.merges().size() != merge_ids_.size();
   if (Status status = add_places(mapper); !status) return status;
   // The latest factor still moves along with the keyframes.
   const std::size_t num_gravity = mapper.map_graph().graph().gravity.size();
@@ -68,6 +74,7 @@ Status AtlasRecorder::add_edges(const mapping::BackEndMapper& mapper) {
     const auto id = atlas_.add_edge({0, graph.edges[i], 1.0, evidence_of(graph.edges[i], mapper)});
     if (!id) return id.error();
     edge_ids_.push_back(*id);
+    edges_.push_back(graph.edges[i]);
     weights_.push_back(1.0);
   }
   return {};
@@ -109,15 +116,35 @@ Status AtlasRecorder::place_latest(const mapping::BackEndMapper& mapper) {
   return committed ? Status{} : Status{committed.error()};
 }
 
+std::vector<atlas::EdgeWeight> AtlasRecorder::forget_edges(const graph::PoseGraph& graph) {
+  std::vector<atlas::EdgeWeight> gone;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < edges_.size(); ++i) {
+    if (kept >= graph.edges.size() || !is_same(edges_[i], graph.edges[kept])) {
+      gone.push_back({edge_ids_[i], 0.0});
+      continue;
+    }
+    edge_ids_[kept] = edge_ids_[i];
+    weights_[kept] = weights_[i];
+    edges_[kept++] = edges_[i];
+  }
+  edge_ids_.resize(kept);
+  weights_.resize(kept);
+  edges_.resize(kept);
+  return gone;
+}
+
 atlas::GraphChange AtlasRecorder::change_of(const mapping::BackEndMapper& mapper) {
   const graph::PoseGraph& graph = mapper.map_graph().graph();
   const std::vector<double>& weights = mapper.map_graph().weights();
   atlas::GraphChange change;
+  change.weights = forget_edges(graph);
   for (std::size_t i = 0; i < graph.edges.size(); ++i) {
     const graph::Edge& edge = graph.edges[i];
     const double weight = i < weights.size() ? weights[i] : 1.0;
     if (i >= edge_ids_.size()) {
       change.new_edges.push_back({0, edge, weight, evidence_of(edge, mapper)});
+      edges_.push_back(edge);
       weights_.push_back(weight);
     } else if (weights_[i] != weight) {
       change.weights.push_back({edge_ids_[i], weight});
@@ -135,21 +162,23 @@ atlas::GraphChange AtlasRecorder::change_of(const mapping::BackEndMapper& mapper
 Status AtlasRecorder::write_change(const mapping::BackEndMapper& mapper) {
   atlas::GraphChange change = change_of(mapper);
   revision_ = mapper.revision();
-  bool written = false;
-  for (; num_merges_ < mapper.merges().size(); ++num_merges_) {
-    const mapping::Merge& merge = mapper.merges()[num_merges_];
-    const math::SE3 T_after = mapper.map_graph().graph().anchors[static_cast<std::size_t>(merge.world)].T_world_map;
-    const atlas::MergeRow row{0, merge.time, merge.world, merge.into, "merge", evidence_of(merge),
-                              merge.T_new_old.inverse() * T_after, T_after, false};
-    const auto committed = atlas_.commit_merge(row, written ? atlas::GraphChange{} : change);
-    if (!committed) return committed.error();
-    edge_ids_.insert(edge_ids_.end(), committed->edge_ids.begin(), committed->edge_ids.end());
-    written = true;
+  const std::vector<mapping::Merge>& merges = mapper.merges();
+  for (std::size_t i = 0; i < merge_ids_.size(); ++i) {
+    if (!merges[i].undone || !merge_stands_[i]) continue;
+    change.undone_merges.push_back({merge_ids_[i], evidence_of(merges[i])});
+    merge_stands_[i] = false;
   }
-  if (written) return {};
+  for (std::size_t i = merge_ids_.size(); i < merges.size(); ++i) {
+    const mapping::Merge& merge = merges[i];
+    const math::SE3 T_after = mapper.map_graph().graph().anchors[static_cast<std::size_t>(merge.world)].T_world_map;
+    change.new_merges.push_back({0, merge.time, merge.world, merge.into, "merge", evidence_of(merge),
+                                 merge.T_new_old.inverse() * T_after, T_after, merge.undone.has_value()});
+    merge_stands_.push_back(!merge.undone);
+  }
   const auto committed = atlas_.apply(change);
   if (!committed) return committed.error();
   edge_ids_.insert(edge_ids_.end(), committed->edge_ids.begin(), committed->edge_ids.end());
+  merge_ids_.insert(merge_ids_.end(), committed->merge_ids.begin(), committed->merge_ids.end());
   return {};
 }
 

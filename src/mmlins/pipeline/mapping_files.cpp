@@ -52,6 +52,7 @@ std::string merges_json(const RunResult& result) {
                       {"motion_between_was_known", merge.prior_known},
                       {"moved_by", to_json(merge.T_new_old)},
                       {"evidence", std::move(evidence)}});
+    if (merge.undone) merges.back()["undone"] = {{"time", stamp(*merge.undone)}, {"why", merge.why_undone}};
   }
   return merges.dump(2) + "\n";
 }

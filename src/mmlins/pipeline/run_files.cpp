@@ -128,7 +128,7 @@ ordered_json mapping_json(const RunResult& result) {
   const mmlins::mapping::MapperTimes& t = mapping.times;
   return {{"keyframes", mapping.keyframes.size()},
           {"closures", std::move(closures)},
-          {"merges", mapping.merges.size()},
+          {"merges", std::count_if(mapping.merges.begin(), mapping.merges.end(), [](const auto& merge) { return !merge.undone; })},
           {"seconds", {{"submaps", 1e-3 * t.submaps}, {"describe", 1e-3 * t.describe}, {"recognise", 1e-3 * t.recognise},
                        {"search", 1e-3 * t.search}, {"verify", 1e-3 * t.verify}, {"optimize", 1e-3 * t.optimize}}},
           {"error", mapping.error}};

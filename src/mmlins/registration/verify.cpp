@@ -157,7 +157,10 @@ Verification verify(const PreparedSubmap& source, const PreparedSubmap& target, 
   result.registration = attempts.best;
   const Registration& best = result.registration;
   if (const auto fault = fault_of_fit(best, config)) return rejected(result, *fault);
-  if (const auto fault = fault_of_prior(best, prior, config)) return rejected(result, *fault);
+  if (const auto fault = fault_of_prior(best, prior, config)) {
+    result.refused_by_prior = prior.has_value();
+    return rejected(result, *fault);
+  }
   if (attempts.rival_overlap > config.rival_overlap * best.overlap && best.observability.num_weak() == 0) {
     return rejected(result, fmt::format("ambiguous: overlap {:.2f} here and {:.2f} elsewhere", best.overlap,
                                         attempts.rival_overlap));

@@ -40,6 +40,7 @@ struct Verification {
   std::string reason;  ///< one line with the figures
   /// The edge: T_target_source and its information, which is next to nothing along what is undetermined.
   Registration registration;
+  bool refused_by_prior = false;  ///< it fits, but not where it should be; nothing else was examined then
   double crossing_share = 0.0;  ///< of rays through surfaces of the other
 };
 

@@ -95,6 +95,7 @@ ordered_json merges_json(const ReportInput& input) {
                       {"moved_m", rounded(merge.T_new_old.t.norm(), 5)},
                       {"turned_deg", rounded(kDegrees * math::se3_log(merge.T_new_old).head<3>().norm(), 4)},
                       {"motion_between_was_known", merge.prior_known}});
+    if (merge.undone) merges.back()["undone"] = {{"t", rounded(seconds_of(input, *merge.undone), 9)}, {"why", merge.why_undone}};
   }
   return merges;
 }

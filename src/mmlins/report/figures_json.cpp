@@ -61,7 +61,7 @@ ordered_json back_end_json(const pipeline::MappingResult& mapping) {
   const mapping::MapperTimes& t = mapping.times;
   return {{"keyframes", mapping.keyframes.size()},
           {"closures", std::move(closures)},
-          {"merges", mapping.merges.size()},
+          {"merges", std::count_if(mapping.merges.begin(), mapping.merges.end(), [](const auto& merge) { return !merge.undone; })},
           {"seconds", {{"submaps", 1e-3 * t.submaps}, {"describe", 1e-3 * t.describe}, {"recognise", 1e-3 * t.recognise},
                        {"search", 1e-3 * t.search}, {"verify", 1e-3 * t.verify}, {"optimize", 1e-3 * t.optimize}}}};
 }

@@ -62,7 +62,7 @@ function tables() {
   append(list, [el('h3', {}, 'Maps'), el('div', {class: 'scroll'}, table(['map', 'world', 'began', 'from', 'last scan', 'fell asleep', 'gap before'],
     data.maps.map((m) => [String(m.id), String(m.world), m.began, momentText(m.begin_s), momentText(m.last_believed_s), m.fell_asleep || '\u2013',
       m.gap ? `${fixed(m.gap.seconds, 1)} s, ${m.gap.motion_is_known ? `\u00b1${significant(m.gap.std_position_m, 2)} m` : 'motion unknown'}` : '\u2013'])))]);
-  for (const merge of data.merges) append(list, [el('h3', {}, `Merge ${merge.id}: map ${merge.map} into map ${merge.into} at ${momentText(merge.t)}`), mergeEvidence(merge)]);
+  for (const merge of data.merges) append(list, [el('h3', {}, `Merge ${merge.id}: map ${merge.map} into map ${merge.into} at ${momentText(merge.t)}${undoneText(merge)}`), mergeEvidence(merge)]);
   const effective = data.closures.filter((c) => c.state !== 'refused' && c.state !== 'confirmed');
   const most = 200;
   if (effective.length > 0) {

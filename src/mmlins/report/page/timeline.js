@@ -182,6 +182,8 @@ function mapFacts(map) {
     ['joined', map.world === map.id ? (data.maps.some((m) => m.world === map.world && m.id !== map.id) ? 'others were joined to it' : map.id === data.maps[0].world ? '' : 'to no other') : `to map ${map.world}`]];
 }
 
+const undoneText = (merge) => (merge.undone ? `, taken back at ${momentText(merge.undone.t)}: ${merge.undone.why}` : '');
+
 function mergeEvidence(merge) {
   const all = new Map(data.closures.map((c) => [c.id, c]));
   const list = [...merge.closures.map((id) => [id, 'reason']), ...merge.enhancing.map((id) => [id, 'found afterwards'])].filter(([id]) => all.has(id));
@@ -194,7 +196,7 @@ function evidenceOf({kind, item}) {
   if (kind === 'gap') return [el('h3', {}, `Gap before map ${item.id}`), facts(gapFacts(item.gap))];
   if (kind === 'map') return [el('h3', {}, `Map ${item.id}`), facts([...mapFacts(item), ...(item.gap ? [['gap before', `${fixed(item.gap.seconds, 1)} s`]] : [])])];
   if (kind === 'merge') {
-    return [el('h3', {}, `Map ${item.map} joined to map ${item.into} at ${momentText(item.t)}`),
+    return [el('h3', {}, `Map ${item.map} joined to map ${item.into} at ${momentText(item.t)}${undoneText(item)}`),
       facts([['moved by', `${significant(item.moved_m)} m, ${significant(item.turned_deg)}\u00b0`], ['motion between', item.motion_between_was_known ? 'carried by the IMU' : 'unknown'],
         ['evidence', `${plural(item.closures.length, 'closure')} that agree, ${item.enhancing.length} found afterwards`]]), mergeEvidence(item)];
   }
