@@ -6,11 +6,13 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "commands.hpp"
 #include "mmlins/atlas/export.hpp"
+#include "mmlins/atlas/unmerge.hpp"
 #include "mmlins/base/log.hpp"
 #include "mmlins/eval/trajectory_file.hpp"
 #include "mmlins/graph/g2o.hpp"
@@ -95,6 +97,25 @@ const char* state_name(const MapRow& map) {
 }
 double lasts(const MapRow& map) { return to_seconds(map.last - map.begin); }
 
+/// Whether a merge stands, and if it does not, who took it back.
+std::string fate_of(const atlas::MergeRow& merge) {
+  if (!merge.undone) return "stands";
+  const auto evidence = nlohmann::json::parse(merge.evidence, nullptr, false);
+  if (!evidence.is_object() || !evidence.contains("undone_because")) return "taken back";
+  return fmt::format("taken back by the run: {}", evidence["undone_because"].dump());
+}
+
+Status print_merges(const Atlas& atlas) {
+  const auto merges = atlas.merges();
+  if (!merges) return merges.error();
+  if (merges->empty()) return {};
+  fmt::print("\n{:>5}  {:>4}  {:>4}  {:>20}  {}\n", "merge", "map", "into", "at [s]", "state");
+  for (const atlas::MergeRow& row : *merges) {
+    fmt::print("{:>5}  {:>4}  {:>4}  {:>20}  {}\n", row.id, row.map, row.into, eval::seconds_text(row.time), fate_of(row));
+  }
+  return {};
+}
+
 int run_list(const MapsOptions& options) {
   const auto atlas = open_for_reading(options.folder);
   if (!atlas.ok()) return fail(atlas.error());
@@ -110,6 +131,7 @@ int run_list(const MapsOptions& options) {
                summary->length, summary->num_points, map.beginning,
                map.why_ended.empty() ? "-" : map.why_ended);
   }
+  if (const Status status = print_merges(*atlas); !status) return fail(status.error());
   return 0;
 }
 
@@ -146,7 +168,7 @@ Status print_places_and_merges(const Atlas& atlas, int map_id) {
                            [map_id](const atlas::PlaceRow& row) { return row.map_id == map_id; }));
   for (const atlas::MergeRow& row : *merges) {
     if (row.map != map_id && row.into != map_id) continue;
-    fmt::print("  merge      map {} into {} at {} s, {}{} {}\n", row.map, row.into,
+    fmt::print("  merge {:<4} map {} into {} at {} s, {}{} {}\n", row.id, row.map, row.into,
                eval::seconds_text(row.time), row.kind, row.undone ? ", undone" : "", row.evidence);
   }
   return {};
@@ -266,6 +288,16 @@ int run_delete(const MapsOptions& options) {
   return 0;
 }
 
+int run_unmerge(const MapsOptions& options) {
+  auto atlas = Atlas::open(atlas::find_atlas(options.folder), atlas::Access::kWrite);
+  if (!atlas.ok()) return fail(atlas.error());
+  const auto apart = atlas::unmerge(*atlas, options.id);
+  if (!apart.ok()) return fail(apart.error());
+  fmt::print("merge {} taken back: map {} and map {} lie in two worlds again, {} edges between them no longer count\n", options.id,
+             fmt::join(apart->stayed, ", "), fmt::join(apart->moved, ", "), apart->num_edges);
+  return 0;
+}
+
 }  // namespace
 
 void add_maps(CLI::App& program, int& exit_code) {
@@ -278,12 +310,14 @@ void add_maps(CLI::App& program, int& exit_code) {
     command->callback([options, &exit_code, run] { exit_code = run(*options); });
     return command;
   };
-  add("list", "a line for each map", run_list);
+  add("list", "a line for each map, and for each merge", run_list);
   CLI::App* show = add("show", "all about one map", run_show);
   CLI::App* out =
       add("export", "a map as a file, in the frame of its world, with optimised poses", run_export);
   add("check", "read everything and say what is damaged; exit code 1 if anything is", run_check);
   CLI::App* remove = add("delete", "remove a map; asks nothing", run_delete);
+  CLI::App* unmerge = add("unmerge", "take a merge back: its maps lie in two worlds again", run_unmerge);
+  unmerge->add_option("id", options->id, "number of the merge, as told by list")->required();
   for (CLI::App* command : {show, out, remove}) {
     command->add_option("id", options->id, "number of the map, as told by list")->required();
   }

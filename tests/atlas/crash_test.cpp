@@ -11,7 +11,8 @@
 #include <functional>
 
 #include "mmlins/atlas/atlas.hpp"
-#include "tests/atlas/example.hpp"
+#include "mmlins/atlas/unmerge.hpp"
+#include "tests/atlas/chained_maps.hpp"
 
 namespace mmlins::atlas {
 namespace {
@@ -197,6 +198,63 @@ TEST(Crash, LeavesAMergeAsAWholeOrNotAtAll) {
     EXPECT_TRUE(atlas->check()->problems.empty());
   }
   EXPECT_GT(most, 2);
+}
+
+constexpr int kChainMaps = 3;
+
+/// Joins map 1 to map 0 and takes that back, again and again.
+void merge_and_unmerge(const std::string& folder, const Progress& progress) {
+  auto atlas = Atlas::open(folder, Access::kWrite);
+  require(atlas.ok());
+  // The process before may have been killed in between.
+  const auto merges = *atlas->merges();
+  if (!merges.empty() && !merges.back().undone) require(unmerge(*atlas, merges.back().id).ok());
+  const GraphChange change = chain_merge(*atlas, 1, 0, kElsewhere);
+  for (int n = 1;; ++n) {
+    const auto committed = atlas->apply(change);
+    require(committed.ok());
+    require(unmerge(*atlas, committed->merge_ids.at(0)).ok());
+    progress.tell(n);
+  }
+}
+
+TEST(Crash, LeavesWorldsJoinedOrApart) {
+  const TemporaryFolder folder;
+  const std::string place = folder / "atlas";
+  std::vector<SE3> apart, joined;
+  {
+    auto atlas = Atlas::create(place);
+    ASSERT_TRUE(atlas.ok());
+    fill_with_chain(*atlas, kChainMaps, true);
+    apart = poses_of(*atlas);
+    const auto merged = atlas->apply(chain_merge(*atlas, 1, 0, kElsewhere));
+    ASSERT_TRUE(merged.ok());
+    joined = poses_of(*atlas);
+    ASSERT_TRUE(unmerge(*atlas, merged->merge_ids.at(0)).ok());
+  }
+  ASSERT_GT(most_apart(apart, joined), 1.0);
+  math::Random random(20260103);
+  int num_joined = 0, num_apart = 0;
+  for (int i = 0; i < 2 * kNumKills; ++i) {
+    run_and_kill([&](const Progress& progress) { merge_and_unmerge(place, progress); },
+                 static_cast<int>(random.uniform(5e3, 5e4)));
+    const auto atlas = Atlas::open(place, Access::kRead);
+    ASSERT_TRUE(atlas.ok()) << atlas.error().message;
+    const auto merges = *atlas->merges();
+    const bool stands = !merges.back().undone;
+    ++(stands ? num_joined : num_apart);
+    EXPECT_EQ(worlds_of(*atlas), (stands ? std::vector<int>{0, 0, 2} : std::vector<int>{0, 1, 2}));
+    EXPECT_LT(most_apart(stands ? joined : apart, poses_of(*atlas)), 1e-9);  // rounding
+    const auto edges = *atlas->edges();
+    std::size_t num_ties = 0;
+    for (const EdgeRow& row : edges) num_ties += row.edge.kind == graph::EdgeKind::kMerge && row.weight > 0.0 ? 1 : 0;
+    EXPECT_EQ(num_ties, stands ? 1U : 0U);
+    for (std::size_t k = 0; k + 1 < merges.size(); ++k) EXPECT_TRUE(merges[k].undone);
+    EXPECT_TRUE(atlas->check()->problems.empty());
+  }
+  // Both were met, so that neither was taken for granted.
+  EXPECT_GT(num_joined, 0);
+  EXPECT_GT(num_apart, 0);
 }
 
 }  // namespace

@@ -80,7 +80,7 @@ class Maps(unittest.TestCase):
         return run.stderr
 
     def test_list_has_a_line_for_each_map(self):
-        header, first, second = self.printed("list").splitlines()
+        header, first, second, empty, merges, merge = self.printed("list").splitlines()
         self.assertEqual(header.split()[:2], ["map", "world"])
         self.assertEqual(first.split()[:3], ["0", "0", "sleeping"])
         self.assertEqual(second.split()[:3], ["1", "0", "sleeping"])
@@ -88,6 +88,9 @@ class Maps(unittest.TestCase):
         self.assertEqual(second.split()[4:8], ["9.0", "20", "19.0", str(20 * NUM_POINTS)])
         self.assertIn("at rest", first)
         self.assertIn("too few matches", first)
+        self.assertEqual(empty, "")
+        self.assertEqual(merges.split()[:3], ["merge", "map", "into"])
+        self.assertEqual(merge.split(), ["1", "1", "0", "1600000019.000000000", "stands"])
 
     def test_the_folder_of_the_atlas_itself_serves_as_well(self):
         self.assertEqual(self.printed("list", folder=self.atlas), self.printed("list"))
@@ -151,10 +154,32 @@ class Maps(unittest.TestCase):
     def test_delete_removes_a_map_and_tells_what(self):
         self.assertIn("map 0 removed: 20 keyframes, 21 edges, 0 places, 1 merges", self.printed("delete", 0))
         lines = self.printed("list").splitlines()
-        self.assertEqual(len(lines), 2)
+        self.assertEqual(len(lines), 2)  # the merge is gone as well
         self.assertEqual(lines[1].split()[:2], ["1", "1"])
         self.assertIn("all is well", self.printed("check"))
         self.assertIn("1000 points", self.printed("export", 1, "--voxel", 0))
+
+    def test_unmerge_takes_a_merge_back_and_leaves_its_record(self):
+        self.assertIn("merge 1 taken back: map 0 and map 1 lie in two worlds again, 1 edges", self.printed("unmerge", 1))
+        lines = self.printed("list").splitlines()
+        self.assertEqual([line.split()[:2] for line in lines[1:3]], [["0", "0"], ["1", "1"]])
+        self.assertEqual(lines[5].split()[:3] + lines[5].split()[4:], ["1", "1", "0", "taken", "back"])
+        self.assertIn("0 merge (2 more rejected)", self.printed("show", 1))
+        self.assertIn("recognised, undone", self.printed("show", 1))
+        self.assertIn("of maps 1;", self.printed("show", 1))
+        self.assertIn("all is well", self.printed("check"))
+        # No closure is left: both lie as the odometry has them, 5 m lower than what the example calls optimised.
+        for map_id in [0, 1]:
+            self.printed("export", map_id, "--format", "tum", "--out", "map.tum")
+            rows = [list(map(float, line.split())) for line in (self.folder / "map.tum").read_text().splitlines()]
+            heights = [row[3] - true_position(20 * map_id + i)[2] for i, row in enumerate(rows)]
+            for height in heights:
+                self.assertAlmostEqual(height, -5.0, delta=1e-8)
+
+    def test_a_merge_that_cannot_be_taken_back_is_named(self):
+        self.assertIn(f"{self.atlas}: there is no merge 7; there is 1", self.refused("unmerge", 7))
+        self.printed("unmerge", 1)
+        self.assertIn("merge 1 was taken back already", self.refused("unmerge", 1))
 
     def test_what_cannot_be_written_is_named(self):
         self.assertIn("cannot be written", self.refused("export", 0, "--out", self.folder / "none" / "map.pcd"))
@@ -203,8 +228,11 @@ class Maps(unittest.TestCase):
         self.assertIn("belongs to another program", self.refused("list"))
         empty = self.folder / "empty"
         empty.mkdir()
-        self.assertIn("no such file; give the folder of a run", self.refused("list", folder=empty))
-        self.assertIn("no such file; give the folder of a run", self.refused("check", folder=self.folder / "nowhere"))
+        for command in [["list"], ["check"], ["unmerge", 1], ["delete", 0]]:
+            self.assertEqual(self.refused(*command, folder=empty),
+                             f"mmlins: {empty}: there is no atlas in it; give the folder of a run that has an atlas\n")
+            self.assertIn("nowhere: no such folder; give the folder", self.refused(*command, folder=self.folder / "nowhere"))
+        self.assertEqual(list(empty.iterdir()), [])
 
     def test_an_atlas_whose_writer_was_killed_opens_with_all_that_was_committed(self):
         target = self.folder / "killed"

@@ -9,7 +9,7 @@ import unittest
 from pathlib import Path
 
 MMLINS = sys.argv[1] if len(sys.argv) > 1 else "mmlins"
-COMMANDS = ["run", "info", "evaluate", "simulate", "config"]
+COMMANDS = ["run", "info", "evaluate", "simulate", "config", "maps"]
 
 
 def mmlins(*arguments, folder=None):
@@ -56,7 +56,7 @@ class Options(Refusals):
     def test_an_unknown_option_is_named_by_every_command(self):
         for command in COMMANDS:
             with self.subTest(command=command):
-                arguments = {"config": [], "evaluate": ["a", "b"]}.get(command, ["a"])
+                arguments = {"config": [], "evaluate": ["a", "b"], "maps": ["a", "list"]}.get(command, ["a"])
                 line = self.refused(command, *arguments, "--no-such-option")
                 self.assertIn("--no-such-option", line)
                 self.assertIn(f"mmlins {command} --help", line)
@@ -70,6 +70,13 @@ class Options(Refusals):
         self.assertIn("--threads: Value -1 not in range", self.refused("run", "a.bag", "--threads", "-1"))
         self.assertIn("--threads: Value two not in range", self.refused("run", "a.bag", "--threads", "two"))
         self.assertIn("--align: sim3 not in {se3,yaw,none}", self.refused("evaluate", "a", "b", "--align", "sim3"))
+
+    def test_maps_names_what_it_lacks(self):
+        self.assertIn("folder", self.refused("maps"))
+        self.refused("maps", ".")
+        for command in ["show", "export", "delete", "unmerge"]:
+            self.assertIn("id", self.refused("maps", ".", command))
+            self.assertIn("seven", self.refused("maps", ".", command, "seven"))
 
     def test_help_and_version_are_no_errors(self):
         for arguments in [["--help"], ["--version"], *[[command, "--help"] for command in COMMANDS]]:

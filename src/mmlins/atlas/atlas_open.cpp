@@ -86,6 +86,7 @@ Status check_identity(const std::string& folder) {
   const IndexIdentity identity = identify_index(folder);
   const std::string path = index_path(folder);
   const bool has_chunks = !chunks_in(folder).empty();
+  std::error_code failure;
   switch (identity.kind) {
     case IndexKind::kOurs:
       return {};
@@ -98,8 +99,8 @@ Status check_identity(const std::string& folder) {
                         "{}: belongs to another program; give the folder of an mmlins run", path);
     case IndexKind::kMissing:
       if (!has_chunks)
-        return make_error(ErrorCode::kNotFound,
-                          "{}: no such file; give the folder of a run that has an atlas", path);
+        return make_error(ErrorCode::kNotFound, "{}: {}; give the folder of a run that has an atlas", folder,
+                          fs::is_directory(folder, failure) ? "there is no atlas in it" : "no such folder");
       return make_error(ErrorCode::kInvalid, "{}: is missing; mmlins maps shows and exports what is left",
                         path);
     default:
