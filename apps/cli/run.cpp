@@ -16,6 +16,7 @@
 #include "mmlins/io/open_dataset.hpp"
 #include "mmlins/pipeline/run_files.hpp"
 #include "run_report.hpp"
+#include "run_view.hpp"
 
 namespace mmlins::cli {
 namespace {
@@ -28,6 +29,9 @@ struct RunOptions {
   std::string truth_file;
   std::vector<std::string> overrides;
   int num_threads = 0;
+  bool view = false;
+  bool view_exit = false;
+  ViewerOptions viewer;
 };
 
 std::atomic<bool> stop_requested = false;
@@ -108,10 +112,48 @@ void print_result(const RunOptions& options, const pipeline::RunResult& result) 
   }
 }
 
+/// The run itself, shown while it goes on if asked to. The atlas is whole and closed afterwards.
+pipeline::RunResult run_recording(sensor::Dataset& dataset, const sensor::Rig& rig, const pipeline::SlamConfig& config,
+                                  atlas::Atlas atlas, RunView* view) {
+  std::signal(SIGINT, request_stop);
+  std::signal(SIGTERM, request_stop);
+  Progress progress;
+  auto result = pipeline::run(dataset, rig, config, [&](const pipeline::ScanRecord& latest, double share) {
+    progress.show(latest, share);
+    if (view) view->add(latest);
+    return !stop_requested.load();
+  }, &atlas);
+  progress.finish();
+  if (view) view->let_go();
+  return result;
+}
+
+/// The first thing that went wrong, if anything did. What there was is saved by now.
+Status verdict(const pipeline::RunResult& result, const std::string& folder) {
+  if (!result.mapping.error.empty()) {
+    return make_error(ErrorCode::kIo, "{}; all else was saved in {}", result.mapping.error, folder);
+  }
+  if (!result.read_error.empty()) {
+    return make_error(ErrorCode::kIo, "{}; what came before it was saved", result.read_error);
+  }
+  if (result.interrupted) {
+    return make_error(ErrorCode::kInterrupted, "interrupted; the {} scans so far were saved in {}", result.scans.size(), folder);
+  }
+  return {};
+}
+
+/// Leaves nothing of a run that came to nothing.
+void remove_traces(const std::string& folder, bool is_new_folder) {
+  std::error_code not_empty;
+  std::filesystem::remove_all(folder + "/atlas", not_empty);
+  if (is_new_folder) std::filesystem::remove(folder, not_empty);
+}
+
 int run(const RunOptions& options) {
   sensor::Rig rig;
   pipeline::SlamConfig config;
   if (Status status = load(options, rig, config); !status) return fail(status.error());
+  if (Status status = options.view ? check_viewer() : Status{}; !status) return fail(status.error());
   parallel::set_num_threads(options.num_threads);
   const auto truth = read_truth(options.truth_file);
   if (!truth) return fail(truth.error());
@@ -119,22 +161,20 @@ int run(const RunOptions& options) {
   if (!opened) return fail(opened.error());
   const bool is_new_folder = !std::filesystem::exists(options.out);
   if (Status status = pipeline::prepare_folder(options.out); !status) return fail(status.error());
-
   auto atlas = atlas::Atlas::create(options.out + "/atlas");
   if (!atlas) return fail(atlas.error());
-
-  std::signal(SIGINT, request_stop);
-  std::signal(SIGTERM, request_stop);
-  Progress progress;
-  const auto result = pipeline::run(*opened->dataset, rig, config, [&](const pipeline::ScanRecord& latest, double share) {
-    progress.show(latest, share);
-    return !stop_requested.load();
-  }, &*atlas);
-  progress.finish();
+  std::unique_ptr<RunView> view;
+  if (options.view) {
+    auto started = RunView::start(options.out, options.viewer);
+    if (!started) {
+      remove_traces(options.out, is_new_folder);
+      return fail(started.error());
+    }
+    view = std::move(*started);
+  }
+  const auto result = run_recording(*opened->dataset, rig, config, std::move(*atlas), view.get());
   if (result.scans.empty()) {
-    std::error_code not_empty;
-    std::filesystem::remove_all(options.out + "/atlas", not_empty);
-    if (is_new_folder) std::filesystem::remove(options.out, not_empty);
+    remove_traces(options.out, is_new_folder);
     return fail(make_error(ErrorCode::kInvalid, "{}: no scan could be used{}{}; look at it with: mmlins info {}",
                            options.recording, result.read_error.empty() ? "" : ": ", result.read_error, options.recording));
   }
@@ -145,17 +185,9 @@ int run(const RunOptions& options) {
   print_result(options, result);
   const report::ReportInput shown{result, source, rig, config, &opened->info};
   if (Status status = write_report(options.out, shown, *truth, options.truth_file); !status) return fail(status.error());
-  if (!result.mapping.error.empty()) {
-    return fail(make_error(ErrorCode::kIo, "{}; all else was saved in {}", result.mapping.error, options.out));
-  }
-  if (!result.read_error.empty()) {
-    return fail(make_error(ErrorCode::kIo, "{}; what came before it was saved", result.read_error));
-  }
-  if (result.interrupted) {
-    return fail(make_error(ErrorCode::kInterrupted, "interrupted; the {} scans so far were saved in {}",
-                           result.scans.size(), options.out));
-  }
-  return 0;
+  if (view && !options.view_exit && !stop_requested) view->stay(options.out, stop_requested);
+  const Status status = verdict(result, options.out);
+  return status ? 0 : fail(status.error());
 }
 
 }  // namespace
@@ -171,6 +203,9 @@ void add_run(CLI::App& program, int& exit_code) {
   command->add_option("--truth", options->truth_file, "the true trajectory (TUM), to show errors in the report");
   command->add_option("--threads", options->num_threads, "threads to use; 0: all cores. The result is the same")
       ->check(CLI::Range(0, 1024));
+  CLI::Option* view = command->add_flag("--view", options->view, "show the run in the browser while it goes on, and its result until Ctrl-C");
+  command->add_flag("--view-exit", options->view_exit, "with --view: end with the run")->needs(view);
+  add_viewer_options(*command, options->viewer, view);
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

@@ -13,13 +13,18 @@ extern char** environ;
 
 namespace mmlins::cli {
 
-void add_viewer_options(CLI::App& command, ViewerOptions& options) {
-  command.add_option("--port", options.port, "port to listen on; 0: one that is free")
-      ->check(CLI::Range(0, 65535))
-      ->capture_default_str();
-  command.add_option("--listen", options.address, "address to listen on; 0.0.0.0 lets others look as well")
-      ->capture_default_str();
-  command.add_flag("--no-browser", options.no_browser, "do not open a browser");
+void add_viewer_options(CLI::App& command, ViewerOptions& options, CLI::Option* needed) {
+  CLI::Option* const added[] = {
+      command.add_option("--port", options.port, "port to listen on; 0: one that is free")
+          ->check(CLI::Range(0, 65535))
+          ->capture_default_str(),
+      command
+          .add_option("--listen", options.address, "address to listen on; 0.0.0.0 lets others look as well")
+          ->capture_default_str(),
+      command.add_flag("--no-browser", options.no_browser, "do not open a browser")};
+  for (CLI::Option* option : added) {
+    if (needed) option->needs(needed);
+  }
 }
 
 Status check_viewer() {

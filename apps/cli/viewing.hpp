@@ -15,7 +15,8 @@ struct ViewerOptions {
   int port = 0;
   bool no_browser = false;
 };
-void add_viewer_options(CLI::App& command, ViewerOptions& options);
+/// @param needed  an option that these mean nothing without, or null
+void add_viewer_options(CLI::App& command, ViewerOptions& options, CLI::Option* needed = nullptr);
 
 /// An error if this program was built without the page.
 [[nodiscard]] Status check_viewer();

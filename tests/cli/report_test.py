@@ -9,19 +9,14 @@ import csv
 import json
 import os
 import re
-import shutil
 import subprocess
 import sys
 import tempfile
 import unittest
 
-try:
-    from playwright.sync_api import sync_playwright
-except ImportError:
-    sync_playwright = None
+import chromium
 
 MMLINS = sys.argv[1] if len(sys.argv) > 1 else "mmlins"
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 SHARED = tempfile.TemporaryDirectory()
 
 
@@ -160,17 +155,11 @@ class Writing(unittest.TestCase):
         self.assertFalse(os.path.exists(shared("blocked/report.html.part")))
 
 
-@unittest.skipIf(sync_playwright is None, "Playwright for Python is not installed")
-@unittest.skipIf(CHROMIUM is None, "there is no Chromium here")
+@chromium.required
 class Browser(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.driver = sync_playwright().start()
-        cls.addClassCleanup(cls.driver.stop)
-        cls.browser = cls.driver.chromium.launch(executable_path=CHROMIUM, args=[
-            "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
-            "--disable-component-update", "--disable-sync"])
-        cls.addClassCleanup(cls.browser.close)
+        cls.browser = chromium.launch(cls)
         cls.summary = json.loads(text_of(shared("out/summary.json")))
 
     def open(self, width=1280, scheme="light"):
@@ -178,10 +167,7 @@ class Browser(unittest.TestCase):
         context = self.browser.new_context(viewport={"width": width, "height": 900}, color_scheme=scheme)
         self.addCleanup(context.close)
         page = context.new_page()
-        complaints = []
-        page.on("console", lambda message: complaints.append(message.text))
-        page.on("pageerror", lambda error: complaints.append(str(error)))
-        page.on("request", lambda request: request.url.startswith(("file:", "data:")) or complaints.append(request.url))
+        complaints = chromium.watch(page, "file:")
         page.goto("file://" + shared("out/report.html"))
         self.addCleanup(lambda: self.assertEqual(complaints, []))
         return page

@@ -25,18 +25,6 @@ constexpr const char* kPolicy =
 
 }  // namespace
 
-bool is_own_host(std::string_view host) {
-  if (host.empty()) return false;
-  const std::size_t colon = host.rfind(':');
-  const bool has_port = colon != std::string_view::npos && host.find(']', colon) == std::string_view::npos;
-  const std::string_view name = has_port ? host.substr(0, colon) : host;
-  return name == "localhost" || name == "[::1]" || name.starts_with("127.");
-}
-
-bool is_same_origin(std::string_view origin, std::string_view host) {
-  return origin.empty() || (origin.starts_with("http://") && origin.substr(7) == host);
-}
-
 void HttpSession::read() {
   parser_.emplace();
   parser_->header_limit(kMaxHeader);

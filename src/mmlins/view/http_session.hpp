@@ -45,9 +45,4 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   const Serving& serving_;
 };
 
-/// Whether a request comes from a page of ours: pages of others can neither ask under a name of theirs that
-/// leads to this machine, nor open a connection for themselves.
-[[nodiscard]] bool is_own_host(std::string_view host);
-[[nodiscard]] bool is_same_origin(std::string_view origin, std::string_view host);
-
 }  // namespace mmlins::view

@@ -27,6 +27,7 @@ void LiveSession::accept(const beast::http::request<beast::http::empty_body>& re
                          LiveSessions& sessions) {
   stream_.set_option(websocket::stream_base::timeout::suggested(beast::role_type::server));
   stream_.read_message_max(1024);
+  stream_.auto_fragment(false);  // the message is in memory anyway
   stream_.async_accept(request, [self = shared_from_this(), &sessions](beast::error_code failure) {
     if (failure) return;
     sessions.add(self);

@@ -29,6 +29,19 @@ std::optional<std::array<int, 3>> parse_tile(std::string_view text) {
 
 }  // namespace
 
+bool is_own_host(std::string_view host) {
+  if (host.empty()) return false;
+  const std::size_t colon = host.rfind(':');
+  const bool has_port = colon != std::string_view::npos && host.find(']', colon) == std::string_view::npos;
+  const std::string_view name = has_port ? host.substr(0, colon) : host;
+  return name == "localhost" || name == "[::1]" ||
+         (name.starts_with("127.") && name.find_first_not_of("0123456789.") == std::string_view::npos);
+}
+
+bool is_same_origin(std::string_view origin, std::string_view host) {
+  return origin.empty() || (origin.starts_with("http://") && origin.substr(7) == host);
+}
+
 Response answer(std::string_view target, Content& content) {
   const std::string_view path = target.substr(0, target.find('?'));
   if (path == "/" || path == "/index.html") return {200, "text/html; charset=utf-8", std::string(page())};

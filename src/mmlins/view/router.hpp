@@ -30,6 +30,11 @@ class Content {
 /// @param target  path of a request, such as /api/tiles/0-15/2
 [[nodiscard]] Response answer(std::string_view target, Content& content);
 
+/// Whether a request was meant for this machine, and comes from a page of ours: pages of others can neither
+/// ask under a name of theirs that leads here, nor open a connection for themselves.
+[[nodiscard]] bool is_own_host(std::string_view host);
+[[nodiscard]] bool is_same_origin(std::string_view origin, std::string_view host);
+
 /// The page, a whole HTML document; empty if the program was built without it.
 [[nodiscard]] std::string_view page();
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "mmlins/view/server.hpp"
 
+#include <sys/resource.h>
+
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
@@ -19,6 +21,7 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 
 constexpr std::chrono::milliseconds kRefresh{200};
+constexpr int kNice = 10;
 
 Error cannot_listen(const ServerOptions& options, const boost::system::error_code& failure) {
   if (failure == asio::error::address_in_use) {
@@ -103,7 +106,10 @@ Result<std::unique_ptr<Server>> Server::start(const ServerOptions& options, Cont
   parts->accept();
   if (feed) asio::post(parts->context, [raw = parts.get()] { raw->refresh(); });
   for (int i = 0; i < options.num_threads; ++i) {
-    parts->threads.emplace_back([raw = parts.get()] { raw->context.run(); });
+    parts->threads.emplace_back([raw = parts.get(), yields = options.yields] {
+      if (yields) setpriority(PRIO_PROCESS, 0, kNice);  // on Linux: of this thread alone
+      raw->context.run();
+    });
   }
   return std::unique_ptr<Server>(new Server(std::move(parts)));
 }

@@ -15,6 +15,7 @@ struct ServerOptions {
   std::string address = "127.0.0.1";  ///< of this machine; 0.0.0.0: all it has
   int port = 0;                       ///< 0: one that is free
   int num_threads = 2;
+  bool yields = false;  ///< its threads give way to all others: what goes on beside it comes first
 };
 
 class Server {

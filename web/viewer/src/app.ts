@@ -74,15 +74,23 @@ export class App {
       return;
     }
     const before = this.scene.atlas.keyframes.id.length;
+    const scansBefore = this.scene.scans.t.length;
     if (message.scans) appendScans(this.scene.scans, message.scans);
     if (message.atlas) {
       this.scene.atlas = message.atlas;
       this.takeAtlas();
       showAbout(this.scene, this.live);
     }
-    this.hang();
+    // Scans without a keyframe of their map hang on the first one as soon as it is there.
+    this.hang(message.atlas && before < 8 ? 0 : Math.max(0, scansBefore - 40));
     this.timeline.setEnd(this.lastTime());
-    this.redraw();
+    if (message.atlas) {
+      this.redraw(true);
+    } else {
+      this.placeLines();
+      this.timeline.draw(this.history, this.scene.scans, this.theme);
+      this.stage.moved();
+    }
     const { length } = this.scene.atlas.keyframes.id;
     if (length !== before && !this.follows && (before < 3 || Math.floor(length / 8) !== Math.floor(before / 8))) this.stage.show(this.box(), 'aslant');
   }
@@ -106,7 +114,7 @@ export class App {
   }
 
   /** Everything that depends on settings. */
-  redraw(): void {
+  redraw(slowly = false): void {
     if (!this.scene) return;
     this.cloud.setRamp(rampFor(this.colourBy, this.theme));
     this.cloud.setMapColours(Array.from({ length: 64 }, (_, i) => mapColour(this.theme, i)));
@@ -117,7 +125,7 @@ export class App {
     showStateLegend(this.scene.scans.states, this.theme);
     this.timeline.draw(this.history, this.scene.scans, this.theme);
     this.epoch = this.looks = '';
-    this.timeHasChanged(false);
+    this.timeHasChanged(slowly);
   }
 
   openMerge(merge: Merge, side: Side = 'after'): void {
@@ -212,12 +220,14 @@ export class App {
     }
   }
 
-  /** Scans of a run that has ended lie where its keyframes lie in the end; those of one that goes on where they are now. */
-  private hang(): void {
-    this.lines.setScans(this.scene.scans, this.scene.atlas, this.history.posesAt(this.scene.live ? this.lastTime() : Infinity));
+  /** Scans of a run that has ended lie where its keyframes lie in the end, those of one that goes on in their maps. */
+  private hang(from = 0): void {
+    const { scans, atlas, live } = this.scene;
+    this.lines.hang(scans, atlas, live ? atlas.keyframes.odometry : this.history.posesAt(Infinity), live, from);
   }
 
-  private placeOf(merge: Merge): ArrayLike<number> {
+  private placeOf(merge: Merge): ArrayLike<number> | null {
+    if (merge.t > this.timeline.t + 1e-6) return null;
     const edge = edgesOf(this.scene.atlas, merge).find((one) => one.edge)?.edge;
     const row = edge ? this.history.indexOf.get(edge.to) ?? 0 : 0;
     return this.poses.current.subarray(7 * row, 7 * row + 3);
@@ -268,10 +278,11 @@ export class App {
       return;
     }
     const without = this.shown?.side === 'before' ? this.shown.merge : undefined;
+    const anyway = this.shown?.side === 'after' && this.shown.merge.undone ? this.shown.merge : undefined;
     const isEnd = t >= this.timeline.end - 1e-6;
-    const epoch = `${this.history.events.filter((event) => event <= t).length} ${without?.id ?? ''} ${isEnd} ${this.history.numKeyframes}`;
+    const epoch = `${anyway?.id ?? ''} ${this.history.events.filter((event) => event <= t).length} ${without?.id ?? ''} ${isEnd} ${this.history.numKeyframes}`;
     if (epoch !== this.epoch) {
-      this.poses.moveTo(this.history.posesAt(isEnd && !without ? Infinity : t, without), performance.now(), slowly || this.shown !== null);
+      this.poses.moveTo(this.history.posesAt(isEnd && !without ? Infinity : t, without, anyway), performance.now(), slowly || this.shown !== null);
       this.epoch = epoch;
       this.placeLines();
     }

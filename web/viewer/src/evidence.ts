@@ -36,7 +36,8 @@ function story(merge: Merge, atlas: Atlas): string[] {
   lines.push(`The join moved map ${merge.map} by ${metres(Math.hypot(merge.after[0] - merge.before[0], merge.after[1] - merge.before[1], merge.after[2] - merge.before[2]))} at its origin and turned it by ${moved.degrees.toFixed(2)}\u00b0.`);
   const rejected = edgesOf(atlas, merge).filter(({ edge }) => edge && edge.weight <= 0).length;
   if (rejected > 0) lines.push(`${plural(rejected, 'of these closures', 'of these closures')} ${rejected === 1 ? 'was' : 'were'} rejected later, when others spoke against ${rejected === 1 ? 'it' : 'them'}.`);
-  if (merge.undone) lines.push('It was taken back later.');
+  const why = merge.evidence?.undone_because;
+  if (merge.undone) lines.push(`It was taken back later${typeof why === 'string' ? `: ${why}` : ''}.`);
   return lines;
 }
 
@@ -63,7 +64,7 @@ function table(merge: Merge, atlas: Atlas, actions: EvidenceActions): HTMLElemen
 
 /** Whatever else is on record. */
 function rest(merge: Merge): HTMLElement | null {
-  const told = new Set(['closures', 'enhancing', 'motion_between_was_known']);
+  const told = new Set(['closures', 'enhancing', 'motion_between_was_known', 'undone_because']);
   const entries = Object.entries(merge.evidence ?? {}).filter(([key]) => !told.has(key));
   if (entries.length === 0) return null;
   return el('dl', { class: 'facts' }, ...entries.flatMap(([key, value]) => [el('dt', {}, key.replaceAll('_', ' ')), el('dd', {}, typeof value === 'string' ? value : JSON.stringify(value))]));

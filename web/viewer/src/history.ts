@@ -60,13 +60,17 @@ export class History {
     return { moved: move?.maps ?? new Set([merge.map]), into: move?.joined ?? new Set([merge.into]) };
   }
 
-  /** Poses of all keyframes in the frame of the first map, one after the other. */
-  posesAt(t: number, without?: Merge): Float64Array<ArrayBuffer> {
+  /** Poses of all keyframes in the frame of the first map, one after the other.
+   *  @param without  as if this merge had not been made
+   *  @param anyway   as if this one, which was taken back, stood */
+  posesAt(t: number, without?: Merge, anyway?: Merge): Float64Array<ArrayBuffer> {
     const { keyframes, maps } = this.atlas;
     const frames = new Map<number, { T: Pose; optimised: boolean }>();
     for (const map of maps) {
       const optimised = this.isCorrected(map.id, t, without);
-      frames.set(map.id, { T: optimised ? this.anchorAt(map.id, t, without) : this.placeByGap(map.id), optimised });
+      let T = optimised ? this.anchorAt(map.id, t, without) : this.placeByGap(map.id);
+      if (anyway && map.id === anyway.map) T = compose(compose(anyway.after, inverse(anyway.before)), T);
+      frames.set(map.id, { T, optimised });
     }
     const poses = new Float64Array(7 * keyframes.id.length);
     for (let i = 0; i < keyframes.id.length; ++i) {

@@ -6,7 +6,7 @@ import { LineMaterial } from 'three/examples/jsm/lines/LineMaterial.js';
 import { LineSegments2 } from 'three/examples/jsm/lines/LineSegments2.js';
 import { LineSegmentsGeometry } from 'three/examples/jsm/lines/LineSegmentsGeometry.js';
 import { mapColour, palettes, rgb, stateColour, type Theme } from './colours';
-import { compose, inverse, poseAt } from './pose';
+import { compose, identity, inverse, poseAt } from './pose';
 import type { Atlas, Edge, Pose, Scans } from './types';
 
 const carried = new Set(['BRIDGING', 'LOST', 'RELOCATING']);
@@ -89,25 +89,42 @@ export class Lines {
     this.makeRobot();
   }
 
-  /** @param final  poses of the keyframes that the scans' poses belong to */
-  setScans(scans: Scans, atlas: Atlas, final: Float64Array): void {
+  /** Hangs scans up, from one on; those before are known already.
+   *  @param poses  of the keyframes, in the frame that the scans' poses are in
+   *  @param isLive  each scan is in the frame of its own map */
+  hang(scans: Scans, atlas: Atlas, poses: ArrayLike<number>, isLive: boolean, from = 0): void {
     const { t, map } = atlas.keyframes;
-    this.hooks = [];
-    this.locals = [];
+    const keep = Math.min(from, this.hooks.length);
+    this.hooks.length = this.locals.length = keep;
     let next = 0;
-    for (let i = 0; i < scans.t.length; ++i) {
-      while (next < t.length && t[next] < scans.t[i]) ++next;
-      const b = Math.min(next, t.length - 1), a = Math.max(0, next - 1);
-      if (t.length === 0) break;
-      const span = t[b] - t[a];
-      let s = span > 0 ? Math.min(1, Math.max(0, (scans.t[i] - t[a]) / span)) : 0;
-      // Within the last map before a gap a scan belongs to that map alone.
-      if (map[a] !== map[b] && !carried.has(scans.states[scans.state[i]])) s = scans.map[i] === map[b] ? 1 : 0;
+    for (let i = keep; i < scans.t.length; ++i) {
       const T = poseAt(scans.pose, i);
-      this.hooks.push({ a, b, s });
-      this.locals.push({ a: compose(inverse(poseAt(final, a)), T), b: compose(inverse(poseAt(final, b)), T) });
+      while (next < t.length && t[next] < scans.t[i]) ++next;
+      const hook = isLive ? this.hookInMap(scans.map[i], map, next) : this.hookBetween(scans, i, t, map, next);
+      this.hooks.push(hook);
+      const local = (k: number) => (k < 0 ? T : compose(inverse(poseAt(poses, k)), T));
+      this.locals.push({ a: local(hook.a), b: hook.b === hook.a ? identity : local(hook.b) });
     }
-    this.scanPoses = new Float64Array(7 * this.hooks.length);
+    const places = new Float64Array(7 * this.hooks.length);
+    places.set(this.scanPoses.subarray(0, Math.min(7 * keep, this.scanPoses.length)));
+    this.scanPoses = places;
+  }
+
+  private hookInMap(of: number, map: number[], next: number): Hook {
+    let a = Math.min(next, map.length) - 1;
+    while (a >= 0 && map[a] > of) --a;
+    if (a < 0 || map[a] !== of) a = map.indexOf(of); // before the first keyframe of its map
+    return { a, b: a, s: 0 };
+  }
+
+  private hookBetween(scans: Scans, i: number, t: number[], map: number[], next: number): Hook {
+    if (t.length === 0) return { a: -1, b: -1, s: 0 };
+    const b = Math.min(next, t.length - 1), a = Math.max(0, next - 1);
+    const span = t[b] - t[a];
+    let s = span > 0 ? Math.min(1, Math.max(0, (scans.t[i] - t[a]) / span)) : 0;
+    // A scan that was placed in a map belongs to that map alone.
+    if (map[a] !== map[b] && !carried.has(scans.states[scans.state[i]])) s = scans.map[i] === map[b] ? 1 : 0;
+    return { a, b, s };
   }
 
   /** Everything anew where the keyframes are now. */
@@ -138,7 +155,7 @@ export class Lines {
   private placeScans(poses: Float64Array, rows: number): void {
     for (let i = 0; i < this.hooks.length; ++i) {
       const { a, b, s } = this.hooks[i];
-      const T = compose(poses.subarray(7 * a, 7 * a + 7), this.locals[i].a);
+      const T = a < 0 ? [...this.locals[i].a] : compose(poses.subarray(7 * a, 7 * a + 7), this.locals[i].a);
       if (s > 0 && b !== a && b < rows) {
         const U = compose(poses.subarray(7 * b, 7 * b + 7), this.locals[i].b);
         for (let k = 0; k < 3; ++k) T[k] += s * (U[k] - T[k]);
@@ -213,9 +230,3 @@ export class Lines {
     axis('#4d9bff', 0, 0, 1);
   }
 }
-
-export function centreOf(points: [number, number, number][]): [number, number, number] {
-  const sum = points.reduce((a, p) => [a[0] + p[0], a[1] + p[1], a[2] + p[2]] as [number, number, number], [0, 0, 0] as [number, number, number]);
-  return sum.map((c) => c / Math.max(1, points.length)) as [number, number, number];
-}
-

@@ -12,7 +12,8 @@ type Point = [number, number, number];
 
 interface Label {
   node: HTMLElement;
-  at: () => ArrayLike<number>;
+  /** Null: nowhere at present. */
+  at: () => ArrayLike<number> | null;
 }
 
 /** Elements over the picture. */
@@ -21,7 +22,7 @@ export class Labels {
 
   constructor(private readonly stage: Stage) {}
 
-  add(node: HTMLElement, at: () => ArrayLike<number>): void {
+  add(node: HTMLElement, at: Label['at']): void {
     byId('labels').append(node);
     this.labels.push({ node, at });
   }
@@ -34,7 +35,8 @@ export class Labels {
   }
   place(): void {
     for (const { node, at } of this.labels) {
-      const where = this.stage.project(at());
+      const p = at();
+      const where = p && this.stage.project(p);
       node.hidden = where === null;
       if (where) node.style.transform = `translate(${where.x.toFixed(1)}px, ${where.y.toFixed(1)}px)`;
     }
@@ -42,7 +44,7 @@ export class Labels {
   /** What stands where, for a picture of it. */
   texts(): { text: string; x: number; y: number }[] {
     return this.labels.filter(({ node }) => !node.hidden && node.classList.contains('measure'))
-      .map(({ node, at }) => ({ text: node.innerText, ...this.stage.project(at())! }));
+      .map(({ node, at }) => ({ text: node.innerText, ...this.stage.project(at()!)! }));
   }
 }
 

@@ -54,7 +54,8 @@ export function showMaps(history: History, theme: Theme, t: number, awake: Set<n
     const count = keyframes.map.filter((id) => id === map.id).length;
     const world = worlds.get(map.id) ?? map.id;
     const state = t < map.begin ? 'not yet' : awake.has(map.id) ? 'awake' : 'asleep';
-    const began = `${map.began} at ${seconds(map.begin)}, lasts ${seconds(Math.max(0, map.last - map.begin))}${map.ended ? `; fell asleep: ${map.ended}` : ''}`;
+    const lasts = map.active ? 'goes on' : `lasts ${seconds(Math.max(0, map.last - map.begin))}`;
+    const began = `${map.began} at ${seconds(map.begin)}, ${lasts}${map.ended ? `; fell asleep: ${map.ended}` : ''}`;
     const node = el('button', { type: 'button', class: `item ${state === 'awake' ? '' : 'asleep'}`, 'data-map': String(map.id) }, swatch,
       el('b', {}, `Map ${map.id}`), el('span', { class: 'soft' }, world === map.id ? state : `${state}, in world ${world}`),
       el('small', {}, `${plural(count, 'keyframe')}; ${began}`));

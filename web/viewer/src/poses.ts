@@ -34,7 +34,8 @@ export class PoseTable {
     this.current = current;
     this.from = current.slice();
     this.target = target;
-    this.begun = slowly && known > 0 ? now : -1;
+    const moves = current.some((value, i) => Math.abs(value - target[i]) > 1e-3);
+    this.begun = slowly && moves ? now : -1;
     if (this.begun < 0) this.current = target.slice();
     this.reserve(target.length / 7);
     this.writePoses();

@@ -65,6 +65,11 @@ export class Stage {
     return this.target.height;
   }
 
+  /** The picture is as good as it gets. */
+  get isAtRest(): boolean {
+    return this.wasRefined && !this.isDirty && !this.isStale && this.glide === null && performance.now() - this.lastMotion > 250;
+  }
+
   /** Something looks different now. */
   invalidate(): void {
     this.isDirty = true;

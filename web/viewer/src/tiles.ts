@@ -73,7 +73,7 @@ export class TileQueue {
     try {
       const response = await fetch(wish.url);
       if (!response.ok) throw new Error(await response.text());
-      wish.take(decodeTile(await response.arrayBuffer()));
+      if (response.status !== 204) wish.take(decodeTile(await response.arrayBuffer())); // 204: not now
     } catch {
       wish.fail();
     }
