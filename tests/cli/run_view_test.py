@@ -145,9 +145,9 @@ class Run(unittest.TestCase):
                 pass
             # It is a whole result by now, for others as well.
             self.assertEqual(mmlins("maps", shared("stays"), "check").returncode, 0)
-            self.assertEqual(sorted(os.listdir(shared("stays/atlas"))), sorted(os.listdir(shared("plain/atlas"))))
             process.send_signal(signal.SIGINT)
             self.assertEqual(process.wait(timeout=10), 0)
+        self.assertEqual(sorted(os.listdir(shared("stays/atlas"))), sorted(os.listdir(shared("plain/atlas"))))
 
     def test_ctrl_c_during_the_run_saves_and_ends(self):
         with running("stopped") as (process, port):

@@ -52,7 +52,7 @@ def viewing(*arguments):
         assert url, line + process.stderr.read()
         yield url.group(), process
     finally:
-        process.kill()
+        process.terminate()
         process.communicate()
 
 
@@ -203,6 +203,7 @@ class Ending(unittest.TestCase):
                 process.send_signal(number)
                 self.assertEqual(process.wait(timeout=10), 0)
         self.assertEqual(sums(), before)
+        self.assertEqual(sorted(os.listdir(shared("out/atlas"))), ["index.sqlite", "points_0000.chunk", "writer.lock"])
 
 
 @chromium.required
