@@ -3,6 +3,7 @@
 // What the odometry says about one scan.
 
 #include <memory>
+#include <optional>
 #include <string_view>
 
 #include "mmlins/degeneracy/observability.hpp"
@@ -62,6 +63,7 @@ struct ScanResult {
   int map_id = 0;            ///< the map that the scan belongs to, or that fell asleep last
   math::SE3 T_odom_map;      ///< where that map lies; odom itself never jumps
   imu::Estimate estimate;    ///< T_odom_imu, velocity, biases; the covariance is that against the map
+  std::optional<imu::NavState> carried;  ///< what the IMU alone made of the way from the scan before; none at the start
   TrackingState state = TrackingState::kInitializing;
   Cause cause = Cause::kNone;
   int num_points = 0;        ///< within the range gate

@@ -95,6 +95,7 @@ ScanResult ScanTracker::track(std::shared_ptr<const sensor::LidarScan> scan, con
 
   // 1. Where did the IMU say we went while the LiDAR was sweeping?
   const Motion motion = propagate_to(scan->end_time, imu);
+  result.carried = motion.propagation.estimate.state;
   result.times.propagate = stopwatch.lap_ms();
 
   // 2. Straighten the scan with that motion, and thin it.

@@ -19,6 +19,9 @@ ScanRecord to_record(const odometry::ScanResult& result, double read_ms) {
   record.T_odom_imu = result.estimate.state.T_odom_imu();
   const imu::NavState& state = result.estimate.state;
   record.v_imu = state.R_odom_imu.transpose() * state.v_odom;
+  if (result.carried) {
+    record.carried = {result.carried->T_odom_imu(), result.carried->R_odom_imu.transpose() * result.carried->v_odom};
+  }
   record.down_imu = state.R_odom_imu.transpose() * state.gravity_odom.normalized();
   record.tilt_std = imu::tilt_deviation(result.estimate);
   record.state = result.state;
@@ -215,7 +218,8 @@ void Runner::settle() {
   for (const ScanRecord& r : result_.scans) {
     // The scan with which a map begins is the last of its trial, but has its place in it already.
     const bool begins_map = !scans.empty() && scans.back().map_id != r.map_id;
-    scans.push_back({r.time, r.map_id, odometry::is_placed(r.state) || begins_map, r.T_map_imu, r.T_odom_imu, r.v_imu});
+    scans.push_back(
+        {r.time, r.map_id, odometry::is_placed(r.state) || begins_map, r.T_map_imu, r.T_odom_imu, r.v_imu, r.carried});
   }
   const std::vector<math::SE3> poses = world_trajectory(scans, mapping.keyframes, rig_);
   for (std::size_t i = 0; i < poses.size(); ++i) result_.scans[i].T_world_imu = poses[i];

@@ -33,6 +33,19 @@ void carry_on(std::span<const ScanPlace> scans, std::span<SE3> poses, std::size_
   }
 }
 
+/// What the IMU made of the way to the placed scan `end`, where the odometry has been corrected.
+MovingPose end_of_carried(std::span<const ScanPlace> scans, std::span<const MovingPose> carried, std::size_t end) {
+  MovingPose pose = carried.back();
+  const MovingPose& before = carried[carried.size() - 2];
+  if (scans[end].carried) {
+    pose.T_world_imu = before.T_world_imu * (scans[end - 1].T_odom_imu.inverse() * scans[end].carried->T_odom_imu);
+    pose.v_world = pose.T_world_imu.R * scans[end].carried->v_imu;
+  } else if (carried.size() > 3) {
+    pose.v_world = 2.0 * before.v_world - carried[carried.size() - 3].v_world;
+  }
+  return pose;
+}
+
 /// Fits what the IMU carried, scans first to last, to the placed scan after them.
 void fit_between(std::span<const ScanPlace> scans, std::span<SE3> poses, std::size_t first, std::size_t last,
                  const sensor::Rig& rig) {
@@ -41,9 +54,7 @@ void fit_between(std::span<const ScanPlace> scans, std::span<SE3> poses, std::si
   carry_on(scans, poses, first, end);
   std::vector<MovingPose> carried;
   for (std::size_t i = first - 1; i <= end; ++i) carried.push_back({scans[i].time, poses[i], poses[i].R * scans[i].v_imu});
-  // At the end itself the velocity has been corrected; what the IMU would have had there follows from before.
-  const std::size_t n = carried.size();
-  if (n > 3) carried.back().v_world = 2.0 * carried[n - 2].v_world - carried[n - 3].v_world;
+  carried.back() = end_of_carried(scans, carried, end);
   const std::vector<SE3> fitted = smooth(carried, {scans[end].time, T_world_end, T_world_end.R * scans[end].v_imu}, rig);
   std::copy(fitted.begin(), fitted.end(), poses.begin() + static_cast<std::ptrdiff_t>(first));
   poses[end] = T_world_end;

@@ -3,6 +3,7 @@
 // One trajectory for the whole recording: every scan is hung between the keyframes around it, wherever these lie in
 // the end, and what the IMU alone carried is fitted between its two ends. docs/math/mapping.md, Eqs. (4) to (7).
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -20,6 +21,12 @@ struct KeyframePlace {
   math::SE3 T_world_imu;  ///< as it lies in the end
 };
 
+/// A pose with its velocity.
+struct CarriedPose {
+  math::SE3 T_odom_imu;
+  math::Vector3d v_imu = math::Vector3d::Zero();  ///< along the axes of the IMU [m/s]
+};
+
 struct ScanPlace {
   Time time;
   int map_id = 0;
@@ -27,6 +34,7 @@ struct ScanPlace {
   math::SE3 T_map_imu;
   math::SE3 T_odom_imu;
   math::Vector3d v_imu = math::Vector3d::Zero();  ///< along the axes of the IMU [m/s]
+  std::optional<CarriedPose> carried;             ///< what the IMU alone made of the way from the scan before
 };
 
 /// @param scans      in the order of their times
