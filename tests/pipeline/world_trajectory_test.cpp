@@ -129,6 +129,28 @@ TEST(WorldTrajectory, TakesOutWhatAConstantAccelerationErrorDid) {
   EXPECT_LT(worst, 0.03 * carried);
 }
 
+TEST(WorldTrajectory, MeasuresTheErrorByWhatTheImuMadeOfTheEnd) {
+  const double dark = 5.0;
+  const Vector3d error(0.01, -0.015, 0.005);  // [m/s^2]
+  Recording recording(dark, 0, {}, error);
+  // The first scan that is placed again corrects the odometry itself, which then looks as if nothing had been wrong.
+  for (std::size_t i = 30; i < recording.scans.size(); ++i) {
+    ScanPlace& scan = recording.scans[i];
+    if (!scan.is_placed) continue;
+    const bool is_first = !recording.scans[i - 1].is_placed;
+    if (is_first) {
+      scan.carried = {scan.T_odom_imu, scan.v_imu + scan.T_odom_imu.R.transpose() * ((dark + 0.1) * error)};
+    }
+    scan.T_odom_imu = recording.true_poses[i];
+  }
+  const std::vector<SE3> poses = recording.trajectory();
+  double worst = 0.0;
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    worst = std::max(worst, apart(poses[i], recording.true_poses[i]));
+  // As above.
+  EXPECT_LT(worst, 0.03 * 0.5 * dark * dark * error.norm());
+}
+
 TEST(WorldTrajectory, CarriesOnWithoutAnEnd) {
   Recording recording(4.0, 0, {}, Vector3d::Zero());
   recording.scans.resize(60);  // it ends in the dark
