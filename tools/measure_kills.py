@@ -4,9 +4,15 @@
 
     tools/measure_kills.py --mmlins PROGRAM RECORDING RIG [--kills 50] [--seed 1]
 
-A watcher reads the last keyframe's time just before the kill; what was committed then must be there afterwards. What
-was lost is the time of the recording between the last keyframe of the atlas and the last that an undisturbed run has
-written by that wall time (the back end works beside the odometry and may be behind it)."""
+A watcher reads the last keyframe's time just before the kill; what was committed then must be there afterwards. How
+far the atlas was behind is told by the scans that the odometry had done (`--progress`) and by the keyframes of an
+undisturbed run:
+
+- behind: from the last keyframe in the atlas to the last scan done, in seconds of the recording. Without a kill it
+  is up to the time between keyframes, a metre apart;
+- missing: from the first keyframe that should be there and is not, to the last scan. These waited for the back end,
+  which works beside the odometry. As a run is faster than its recording, also in seconds of real time: that is what
+  a robot would lose, on which the recording is no faster than the clock."""
 import argparse
 import pathlib
 import random
@@ -19,20 +25,40 @@ import time
 SETTLE = 0.02  # between the last look and the kill [s]
 
 
-def last_keyframe(folder: pathlib.Path) -> float | None:
-    """Time of the recording [s]; none while there is no atlas yet."""
+def keyframes(folder: pathlib.Path) -> list[int]:
+    """Their times [ns]; none while there is no atlas yet."""
     index = folder / "atlas" / "index.sqlite"
     try:
         with sqlite3.connect(f"file:{index}?mode=ro", uri=True, timeout=1.0) as database:
-            (latest,) = database.execute("SELECT max(time_ns) FROM keyframe").fetchone()
+            return [row[0] for row in database.execute("SELECT time_ns FROM keyframe ORDER BY id")]
     except sqlite3.Error:
-        return None
-    return None if latest is None else latest * 1e-9
+        return []
+
+
+def scans_done(folder: pathlib.Path) -> list[int]:
+    """Times of the scans whose line is whole [ns]."""
+    path = pathlib.Path(f"{folder}.progress")
+    lines = path.read_text().split("\n")[:-1] if path.exists() else []
+    return [int(line.split()[0].replace(".", "")) for line in lines]
 
 
 def started(chosen: argparse.Namespace, folder: pathlib.Path) -> subprocess.Popen:
-    return subprocess.Popen([chosen.mmlins, "run", chosen.recording, "--rig", chosen.rig, "--out", str(folder)],
-                            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    return subprocess.Popen([chosen.mmlins, "run", chosen.recording, "--rig", chosen.rig, "--out", str(folder),
+                             "--progress", f"{folder}.progress"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+def losses(expected: list[int], kept: list[int], done: list[int]) -> tuple[float, float]:
+    """Seconds of the recording: behind and missing, as above."""
+    if not done:
+        return 0.0, 0.0
+    held = set(kept)
+    gone = [stamp for stamp in expected if stamp <= done[-1] and stamp not in held]
+    last = kept[-1] if kept else done[0]
+    return max(0.0, 1e-9 * (done[-1] - last)), 1e-9 * (done[-1] - gone[0]) if gone else 0.0
+
+
+def median(values: list[float]) -> float:
+    return sorted(values)[len(values) // 2]
 
 
 def main() -> None:
@@ -46,26 +72,35 @@ def main() -> None:
     generator = random.Random(chosen.seed)
     with tempfile.TemporaryDirectory() as work:
         begun = time.monotonic()
-        started(chosen, pathlib.Path(work) / "whole").wait()
+        reference = pathlib.Path(work) / "whole"
+        started(chosen, reference).wait()
         whole = time.monotonic() - begun
-        opened, gone, kept = 0, [], []
+        expected, every = keyframes(reference), scans_done(reference)
+        rate = 1e-9 * (every[-1] - every[0]) / whole
+        opened, uncommitted, behind, missing = 0, [0], [], []
         for kill in range(chosen.kills):
             folder = pathlib.Path(work) / f"kill{kill}"
             process = started(chosen, folder)
             time.sleep(generator.uniform(0.05, 0.95) * whole)
-            before = last_keyframe(folder)
+            before = keyframes(folder)
             time.sleep(SETTLE)
             process.kill()
             process.wait()
             checked = subprocess.run([chosen.mmlins, "maps", str(folder), "check"], capture_output=True, text=True)
-            after = last_keyframe(folder)
-            well = checked.returncode == 0 or before is None
+            after = keyframes(folder)
+            well = checked.returncode == 0 or not before
             opened += well
-            kept.append(after or 0.0)
-            gone.append(max(0.0, (before or 0.0) - (after or 0.0)))
-            print(f"[{kill + 1}/{chosen.kills}] {'ok' if well else 'DAMAGED'}: {checked.stdout.strip() or checked.stderr.strip()}", flush=True)
-        print(f"opened and sound: {opened} of {chosen.kills}; of what had been committed was lost: {max(gone):.3f} s at most")
-        sys.exit(0 if opened == chosen.kills and max(gone) == 0.0 else 1)
+            uncommitted.append(len(set(before) - set(after)))
+            loss = losses(expected, after, scans_done(folder))
+            behind.append(loss[0])
+            missing.append(loss[1])
+            print(f"[{kill + 1}/{chosen.kills}] {'ok' if well else 'DAMAGED'}: "
+                  f"{checked.stdout.strip() or checked.stderr.strip()}; behind {loss[0]:.2f} s, missing {loss[1]:.2f} s", flush=True)
+        print(f"opened and sound: {opened} of {chosen.kills}; keyframes lost that had been committed: {max(uncommitted)}")
+        print(f"the run is {rate:.1f} times as fast as the recording. Seconds of the recording, median and most: "
+              f"behind {median(behind):.2f}, {max(behind):.2f}; missing {median(missing):.2f}, {max(missing):.2f}. "
+              f"In real time: missing {median(missing) / rate:.2f}, {max(missing) / rate:.2f}")
+        sys.exit(0 if opened == chosen.kills and max(uncommitted) == 0 else 1)
 
 
 if __name__ == "__main__":

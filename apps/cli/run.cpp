@@ -4,8 +4,12 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <csignal>
+#include <cstdio>
+#include <cstring>
 #include <filesystem>
+#include <memory>
 
 #include "commands.hpp"
 #include "mmlins/atlas/atlas.hpp"
@@ -13,6 +17,7 @@
 #include "mmlins/base/parallel.hpp"
 #include "mmlins/base/stopwatch.hpp"
 #include "mmlins/config/yaml_config.hpp"
+#include "mmlins/eval/trajectory_file.hpp"
 #include "mmlins/io/open_dataset.hpp"
 #include "mmlins/pipeline/run_files.hpp"
 #include "run_report.hpp"
@@ -27,6 +32,7 @@ struct RunOptions {
   std::string config_file;
   std::string out = "mmlins_out";
   std::string truth_file;
+  std::string progress_file;
   std::vector<std::string> overrides;
   int num_threads = 0;
   bool view = false;
@@ -114,18 +120,29 @@ void print_result(const RunOptions& options, const pipeline::RunResult& result) 
 
 /// The run itself, shown while it goes on if asked to. The atlas is whole and closed afterwards.
 pipeline::RunResult run_recording(sensor::Dataset& dataset, const sensor::Rig& rig, const pipeline::SlamConfig& config,
-                                  atlas::Atlas atlas, RunView* view) {
+                                  atlas::Atlas atlas, std::FILE* progress_file, RunView* view) {
   std::signal(SIGINT, request_stop);
   std::signal(SIGTERM, request_stop);
   Progress progress;
   auto result = pipeline::run(dataset, rig, config, [&](const pipeline::ScanRecord& latest, double share) {
     progress.show(latest, share);
+    if (progress_file) fmt::print(progress_file, "{} {}\n", eval::seconds_text(latest.time), odometry::to_string(latest.state));
     if (view) view->add(latest);
     return !stop_requested.load();
   }, &atlas);
   progress.finish();
   if (view) view->let_go();
   return result;
+}
+
+using FilePointer = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
+
+/// Written line by line, so that it tells how far a run had come that was killed.
+Result<FilePointer> open_progress(const std::string& path) {
+  FilePointer file(path.empty() ? nullptr : std::fopen(path.c_str(), "w"), [](std::FILE* f) { return std::fclose(f); });
+  if (!path.empty() && !file) return make_error(ErrorCode::kIo, "{}: cannot be written: {}", path, std::strerror(errno));
+  if (file) std::setvbuf(file.get(), nullptr, _IOLBF, 0);
+  return file;
 }
 
 /// The first thing that went wrong, if anything did. What there was is saved by now.
@@ -159,6 +176,8 @@ int run(const RunOptions& options) {
   if (!truth) return fail(truth.error());
   auto opened = io::open_dataset(options.recording, rig);
   if (!opened) return fail(opened.error());
+  const auto progress_file = open_progress(options.progress_file);
+  if (!progress_file) return fail(progress_file.error());
   const bool is_new_folder = !std::filesystem::exists(options.out);
   if (Status status = pipeline::prepare_folder(options.out); !status) return fail(status.error());
   auto atlas = atlas::Atlas::create(options.out + "/atlas");
@@ -172,7 +191,7 @@ int run(const RunOptions& options) {
     }
     view = std::move(*started);
   }
-  const auto result = run_recording(*opened->dataset, rig, config, std::move(*atlas), view.get());
+  const auto result = run_recording(*opened->dataset, rig, config, std::move(*atlas), progress_file->get(), view.get());
   if (result.scans.empty()) {
     remove_traces(options.out, is_new_folder);
     return fail(make_error(ErrorCode::kInvalid, "{}: no scan could be used{}{}; look at it with: mmlins info {}",
@@ -201,6 +220,7 @@ void add_run(CLI::App& program, int& exit_code) {
   command->add_option("--set", options->overrides, "one parameter, as group.key=value; may be repeated");
   command->add_option("--out", options->out, "output folder")->capture_default_str();
   command->add_option("--truth", options->truth_file, "the true trajectory (TUM), to show errors in the report");
+  command->add_option("--progress", options->progress_file, "a file that gets a line for each scan as it is done: its time and state");
   command->add_option("--threads", options->num_threads, "threads to use; 0: all cores. The result is the same")
       ->check(CLI::Range(0, 1024));
   CLI::Option* view = command->add_flag("--view", options->view, "show the run in the browser while it goes on, and its result until Ctrl-C");

@@ -176,6 +176,12 @@ class Output(Run):
             counts.append(json.loads(text_of(self.path(f"v{voxel}/summary.json")))["map_points"])
         self.assertLess(counts[1], counts[0])
 
+    def test_progress_has_a_line_for_each_scan(self):
+        self.run_into("out", "--progress", self.path("progress.txt"))
+        with open(self.path("out/health.csv"), newline="") as file:
+            rows = [f"{row['time']} {row['state']}" for row in csv.DictReader(file)]
+        self.assertEqual(text_of(self.path("progress.txt")).splitlines(), rows)
+
     def test_a_second_run_replaces_the_first(self):
         self.run_into("out", "--set", "output.map_voxel=1")
         self.run_into("out", "--set", "output.map_voxel=0.5")
