@@ -114,11 +114,13 @@ void Mapper::find_known_places(const View& view, const place::PlaceDescriptor& d
         for (const int merge : merges_between(*closure)) review(merge);
       }
       if (closure->state != ClosureState::kWaiting) continue;
-      if (target_world == world && graph_.world_of(closure->source_map) == graph_.world_of(closure->target_map)) {
+      // A merge that was taken back just now leaves two worlds where there was one.
+      const int source = graph_.world_of(closure->source_map), target = graph_.world_of(closure->target_map);
+      if (source == target) {
         use(*closure);
         return true;
       }
-      try_to_merge(world, target_world);
+      try_to_merge(source, target);
     }
     return false;
   };
