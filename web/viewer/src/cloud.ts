@@ -10,7 +10,7 @@ import { type Tile, TileQueue } from './tiles';
 import type { Atlas } from './types';
 
 interface Level {
-  state: 'none' | 'loading' | 'here' | 'lost';
+  state: 'none' | 'here' | 'lost';
   points?: THREE.Points;
   lastDrawn: number;
 }
@@ -54,6 +54,14 @@ function uniforms() {
   };
 }
 
+interface Wanted {
+  block: Block;
+  level: number;
+  /** Distance between points of the level before, on the screen [px]. */
+  priority: number;
+  isSeen: boolean;
+}
+
 export interface LodView {
   camera: THREE.PerspectiveCamera;
   height: number;
@@ -94,8 +102,13 @@ export class Cloud {
     this.blocks = kept;
   }
 
+  /** All blocks are there, be it coarsely. */
+  get isCoarse(): boolean {
+    return this.blocks.every((block) => block.levels[0].state !== 'none');
+  }
+  /** All that this picture can use is there. */
   get isComplete(): boolean {
-    return this.queue.isIdle && this.blocks.every((block) => block.levels[0].state !== 'none' && block.levels[0].state !== 'loading');
+    return this.queue.isIdle && this.isCoarse;
   }
   get numPoints(): number {
     return this.blocks.reduce((sum, block) => sum + block.points, 0);
@@ -123,7 +136,7 @@ export class Cloud {
     this.uniforms.pixelsPerRadian.value = perRadian;
     const frustum = new THREE.Frustum().setFromProjectionMatrix(
       new THREE.Matrix4().multiplyMatrices(view.camera.projectionMatrix, view.camera.matrixWorldInverse));
-    const wanted: { block: Block; level: number; priority: number }[] = [];
+    const wanted: Wanted[] = [];
     for (const block of this.blocks) {
       for (const level of block.levels) if (level.points) level.points.visible = false;
       if (block.firstRow >= view.shownRows) continue;
@@ -134,11 +147,12 @@ export class Cloud {
       for (let level = 0; level < block.levels.length; ++level) {
         const priority = level === 0 ? 1e6 + pixelsPerMetre : block.cells[level - 1] * pixelsPerMetre;
         if (level > 0 && (!isSeen || priority < fineEnough)) break;
-        wanted.push({ block, level, priority: isSeen ? priority : 0.5 });
+        wanted.push({ block, level, priority: isSeen ? priority : 0.5, isSeen });
       }
     }
     wanted.sort((a, b) => b.priority - a.priority);
-    this.draw(wanted, view.budget);
+    this.queue.want(this.wishes(wanted, view.budget));
+    this.draw(wanted.filter(({ isSeen }) => isSeen), view.budget);
     this.forget();
   }
 
@@ -194,27 +208,40 @@ export class Cloud {
     return new THREE.Vector3(...apply(this.poses.current.subarray(7 * middle, 7 * middle + 7), block.centre));
   }
 
-  private draw(wanted: { block: Block; level: number; priority: number }[], budget: number): void {
-    this.drawn = 0;
+  /** What is missing of the best picture of so many points. */
+  private wishes(wanted: Wanted[], budget: number) {
+    let count = 0;
     const wishes = [];
-    const full = new Set<Block>();
     for (const { block, level, priority } of wanted) {
-      const count = block.counts?.[level] ?? 0;
+      count += block.counts?.[level] ?? 0;
+      if (level > 0 && (count > budget || !block.counts)) continue;
+      if (block.levels[level].state === 'none') wishes.push(this.wish(block, level, priority));
+    }
+    return wishes;
+  }
+
+  /** What there is, as long as the budget lasts. Any beginning of a level is an even sample: what does not fit is thinned. */
+  private draw(wanted: Wanted[], budget: number): void {
+    const coarse = wanted.filter(({ level }) => level === 0);
+    const least = coarse.reduce((sum, { block, level }) => sum + (block.levels[level].points ? block.counts![level] : 0), 0);
+    const coarseShare = Math.min(1, budget / Math.max(1, least));
+    this.drawn = 0;
+    const full = new Set<Block>();
+    for (const { block, level } of wanted) {
       const slot = block.levels[level];
-      if (full.has(block)) continue;
-      if (level > 0 && this.drawn + count > budget) {
-        full.add(block); // finer levels alone would show holes
-        continue;
-      }
-      if (slot.state === 'none' && (level === 0 || block.counts)) wishes.push(this.wish(block, level, priority));
-      if (!slot.points) continue;
+      if (!slot.points || full.has(block)) continue;
+      const count = block.counts![level];
+      const share = level === 0 ? coarseShare : Math.min(1, (budget - this.drawn) / Math.max(1, count));
+      if (share < 1) full.add(block); // finer levels alone would show holes
+      if (share < 0.02) continue;
       slot.points.visible = true;
+      slot.points.geometry.setDrawRange(0, Math.ceil(share * count));
       slot.lastDrawn = this.frame;
       const own = block.cells[level] || 0.5 * block.cells[level - 1];
-      (block.material.uniforms.spacing as THREE.IUniform<number>).value = own;
-      this.drawn += count;
+      const coarser = level > 0 ? block.cells[level - 1] : own / Math.sqrt(share);
+      (block.material.uniforms.spacing as THREE.IUniform<number>).value = coarser + (own - coarser) * share;
+      this.drawn += Math.ceil(share * count);
     }
-    this.queue.want(wishes);
   }
 
   private wish(block: Block, level: number, priority: number) {

@@ -43,6 +43,7 @@ function story(merge: Merge, atlas: Atlas): string[] {
 
 function table(merge: Merge, atlas: Atlas, actions: EvidenceActions): HTMLElement {
   const body = el('tbody');
+  const verdict = el('p', { class: 'soft', role: 'status' });
   for (const { edge, id, enhancing } of edgesOf(atlas, merge)) {
     const e = edge?.evidence;
     const row = el('tr', { tabindex: '0', title: e?.reason ?? '' },
@@ -52,14 +53,17 @@ function table(merge: Merge, atlas: Atlas, actions: EvidenceActions): HTMLElemen
       el('td', {}, number(e?.overlap === undefined ? undefined : 100 * e.overlap, 0, ' %')),
       el('td', {}, number(e?.residual_rms_m === undefined ? undefined : 100 * e.residual_rms_m, 1, ' cm')),
       el('td', { class: 'text' }, edge ? (edge.weight > 0 ? 'counts' : 'rejected') : 'not kept'));
-    if (edge) {
-      row.addEventListener('click', () => actions.closure(edge));
-      row.addEventListener('keydown', (event) => event.key === 'Enter' && actions.closure(edge));
-    }
+    const choose = () => {
+      for (const other of body.children) other.classList.toggle('chosen', other === row);
+      verdict.textContent = e?.reason ? `Closure ${id}: ${e.reason}` : '';
+      if (edge) actions.closure(edge);
+    };
+    row.addEventListener('click', choose);
+    row.addEventListener('keydown', (event) => event.key === 'Enter' && choose());
     body.append(row);
   }
   const head = el('tr', {}, ...['closure', 'keyframes', 'found', 'overlap', 'residual', ''].map((name) => el('th', {}, name)));
-  return el('div', { class: 'scroll' }, el('table', {}, el('thead', {}, head), body));
+  return el('div', { class: 'scroll' }, el('table', {}, el('thead', {}, head), body), verdict);
 }
 
 /** Whatever else is on record. */

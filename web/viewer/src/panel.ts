@@ -42,7 +42,7 @@ export function showAbout(scene: SceneMessage, live: 'no' | 'live' | 'ended'): v
   if (summary?.path_length_m) facts.push(metres(summary.path_length_m));
   if (summary?.duration_s) facts.push(seconds(summary.duration_s));
   const ms = summary?.stages?.total?.mean_ms;
-  if (ms) facts.push(`${ms.toFixed(1)} ms per scan`);
+  byId('about').title = ms ? `${ms.toFixed(1)} ms of work per scan` : '';
   byId('figures').textContent = facts.join(' \u00b7 ');
 }
 

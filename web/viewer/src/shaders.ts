@@ -103,6 +103,7 @@ uniform vec2 pixel;
 uniform vec2 nearFar;
 uniform float strength;
 uniform float reach;
+uniform int taps;
 uniform vec3 low;
 uniform vec3 high;
 uniform vec3 shade;
@@ -119,16 +120,20 @@ float logDepth(vec2 at) {
 void main() {
   float raw = textureLod(depths, uv, 0.0).r;
   gl_FragDepth = raw;
-  float here = logDepth(uv);
-  vec3 c = raw >= 1.0 ? mix(low, high, uv.y) : textureLod(image, uv, 0.0).rgb;
+  if (raw >= 1.0) {
+    result = vec4(mix(low, high, uv.y), 1.0);
+    return;
+  }
+  vec3 c = textureLod(image, uv, 0.0).rgb;
   if (strength > 0.0) {
+    float here = logDepth(uv);
     float sum = 0.0;
-    for (int i = 0; i < 8; ++i) {
-      float angle = 0.7853981634 * float(i);
+    for (int i = 0; i < taps; ++i) {
+      float angle = 6.2831853072 * (float(i) + 0.5) / float(taps);
       float there = logDepth(uv + reach * pixel * vec2(cos(angle), sin(angle)));
-      if (there > 0.0) sum += raw >= 1.0 ? 0.0 : max(0.0, here - there);
+      if (there > 0.0) sum += max(0.0, here - there);
     }
-    c = mix(shade, c, exp(-strength * sum / 8.0));
+    c = mix(shade, c, exp(-strength * sum / float(taps)));
   }
   result = vec4(c, 1.0);
 }`;

@@ -9,6 +9,15 @@ import { screenFragment, screenVertex } from './shaders';
 
 /** A picture should be made so fast while things move [ms]. */
 const wantedMs = 33;
+/** Points of a picture at rest, at least. */
+const restBudget = 1.2e6;
+
+/** Drawn by the processor, and so slowly that it is better to know at once. */
+function drawsInSoftware(): boolean {
+  const gl = document.createElement('canvas').getContext('webgl2');
+  const more = gl?.getExtension('WEBGL_debug_renderer_info');
+  return Boolean(gl && more && /swiftshader|llvmpipe|software/i.test(String(gl.getParameter(more.UNMASKED_RENDERER_WEBGL))));
+}
 
 export class Stage {
   readonly renderer: THREE.WebGLRenderer;
@@ -20,6 +29,7 @@ export class Stage {
   /** Points per picture while things move; at rest there may be more. */
   budget = 1.5e6;
   framesPerSecond = 0;
+  private readonly isSoftware: boolean;
   private readonly target: THREE.WebGLRenderTarget;
   private readonly screen: THREE.ShaderMaterial;
   private readonly screenScene = new THREE.Scene();
@@ -41,7 +51,8 @@ export class Stage {
     private readonly after: () => void,
   ) {
     THREE.ColorManagement.enabled = false;
-    this.renderer = new THREE.WebGLRenderer({ antialias: true, powerPreference: 'high-performance' });
+    this.isSoftware = drawsInSoftware();
+    this.renderer = new THREE.WebGLRenderer({ antialias: !this.isSoftware, powerPreference: 'high-performance' });
     this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace;
     this.renderer.autoClear = false;
     this.renderer.domElement.tabIndex = 0;
@@ -50,7 +61,7 @@ export class Stage {
     this.target = new THREE.WebGLRenderTarget(4, 4, { minFilter: THREE.NearestFilter, magFilter: THREE.NearestFilter });
     this.target.depthTexture = new THREE.DepthTexture(4, 4, THREE.FloatType);
     this.screen = this.makeScreen();
-    if (this.isSoftware()) this.budget = 3e5;
+    if (this.isSoftware) this.budget = 2e5;
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
     Object.assign(this.controls, { enableDamping: true, dampingFactor: 0.12, zoomToCursor: true, maxPolarAngle: Math.PI * 0.98, zoomSpeed: 1.3 });
@@ -96,24 +107,26 @@ export class Stage {
     this.invalidate();
   }
 
-  /** Looks at a box from where all of it can be seen. */
+  /** Looks at a box from where all of it can be seen; its longer side lies across. */
   show(box: THREE.Box3, from: 'aslant' | 'above', atOnce = false): void {
     const centre = box.getCenter(new THREE.Vector3());
     const size = box.getSize(new THREE.Vector3());
     this.extent = Math.max(size.length(), 10);
-    const tall = Math.tan((this.camera.fov * Math.PI) / 360);
-    const wide = tall * this.camera.aspect;
-    const isLong = size.x >= size.y;
-    const [across, along] = isLong ? [size.x, size.y] : [size.y, size.x];
-    const away = isLong ? new THREE.Vector3(0, -1, 0) : new THREE.Vector3(-1, 0, 0);
-    const up = new THREE.Vector3(0, 0, 1);
-    if (from === 'above') {
-      const distance = Math.max(across / (2 * wide), along / (2 * tall)) * 1.1 + size.z;
-      this.moveCamera(centre.clone().addScaledVector(up, distance).addScaledVector(away, 0.001 * distance), centre, atOnce);
-      return;
+    const across = size.x >= size.y ? new THREE.Vector3(1, 0, 0) : new THREE.Vector3(0, -1, 0);
+    const away = new THREE.Vector3(across.y, -across.x, 0);
+    const direction = from === 'above'
+      ? new THREE.Vector3(0, 0, 1).addScaledVector(away, 0.001)
+      : away.multiplyScalar(0.66).addScaledVector(across, 0.2).add(new THREE.Vector3(0, 0, 0.7));
+    direction.normalize();
+    const right = new THREE.Vector3(0, 0, 1).cross(direction).normalize();
+    const up = direction.clone().cross(right);
+    const tall = Math.tan((this.camera.fov * Math.PI) / 360) * 0.94;
+    let distance = 5;
+    for (let corner = 0; corner < 8; ++corner) {
+      const p = new THREE.Vector3(corner & 1 ? 0.5 : -0.5, corner & 2 ? 0.5 : -0.5, corner & 4 ? 0.5 : -0.5).multiply(size);
+      const needed = Math.max(Math.abs(p.dot(right)) / (tall * this.camera.aspect), Math.abs(p.dot(up)) / tall);
+      distance = Math.max(distance, needed + p.dot(direction));
     }
-    const distance = Math.max(across / (2 * wide), (0.75 * along + size.z) / (2 * tall)) * 1.02 + 0.3 * along;
-    const direction = away.clone().multiplyScalar(0.66).addScaledVector(up, 0.7).addScaledVector(new THREE.Vector3(isLong ? 1 : 0, isLong ? 0 : -1, 0), 0.22).normalize();
     this.moveCamera(centre.clone().addScaledVector(direction, distance), centre, atOnce);
   }
 
@@ -152,6 +165,7 @@ export class Stage {
     screen.uniforms.nearFar.value.set(this.camera.near, this.camera.far);
     const strength = screen.uniforms.strength.value;
     if (!this.relief) screen.uniforms.strength.value = 0;
+    screen.uniforms.taps.value = this.isSoftware && performance.now() - this.lastMotion < 250 ? 4 : 8;
     renderer.clear();
     renderer.render(this.screenScene, this.screenCamera);
     screen.uniforms.strength.value = strength;
@@ -173,7 +187,7 @@ export class Stage {
     }
     this.isDirty = this.isStale = false;
     const begun = performance.now();
-    this.render(refine ? 4 * this.budget : this.budget);
+    this.render(refine ? Math.max(4 * this.budget, restBudget) : this.budget);
     this.lastCost = performance.now() - begun;
     this.wasRefined = refine;
     this.lastPicture = now;
@@ -185,7 +199,7 @@ export class Stage {
     if (this.lastFrame <= 0) return;
     const took = now - this.lastFrame;
     this.framesPerSecond = this.framesPerSecond * 0.8 + 0.2 * (1000 / Math.max(took, 1));
-    if (took > 1.3 * wantedMs) this.budget = Math.max(1e5, this.budget * 0.85);
+    if (took > 1.3 * wantedMs) this.budget = Math.max(5e4, this.budget * 0.85);
     else if (took < 0.8 * wantedMs) this.budget = Math.min(8e6, this.budget * 1.05);
   }
 
@@ -213,13 +227,6 @@ export class Stage {
     this.invalidate();
   }
 
-  /** Drawn by the processor, and so slowly that it is better to know at once. */
-  private isSoftware(): boolean {
-    const gl = this.renderer.getContext();
-    const more = gl.getExtension('WEBGL_debug_renderer_info');
-    return more !== null && /swiftshader|llvmpipe|software/i.test(String(gl.getParameter(more.UNMASKED_RENDERER_WEBGL)));
-  }
-
   private makeScreen(): THREE.ShaderMaterial {
     const material = new THREE.RawShaderMaterial({
       glslVersion: THREE.GLSL3,
@@ -229,7 +236,7 @@ export class Stage {
       depthFunc: THREE.AlwaysDepth,
       uniforms: {
         image: { value: this.target.texture }, depths: { value: this.target.depthTexture }, pixel: { value: new THREE.Vector2() },
-        nearFar: { value: new THREE.Vector2(0.1, 1000) }, strength: { value: 14 }, reach: { value: 1.2 },
+        nearFar: { value: new THREE.Vector2(0.1, 1000) }, strength: { value: 14 }, reach: { value: 1.2 }, taps: { value: 8 },
         low: { value: new THREE.Color() }, high: { value: new THREE.Color() }, shade: { value: new THREE.Color() },
       },
     });
