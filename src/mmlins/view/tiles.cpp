@@ -5,12 +5,12 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 namespace mmlins::view {
 namespace {
 
 constexpr std::uint64_t kUsed = std::uint64_t{1} << 63;
+constexpr std::uint64_t kIndex = 0xffffffff;
 
 /// A well mixed number for each number, the same everywhere.
 std::uint64_t mix(std::uint64_t x) {
@@ -99,12 +99,13 @@ BlockTiles make_tiles(std::span<const keyframe::KeyframePointer> keyframes, int 
   if (keyframes.empty()) return tiles;
   const std::vector<Placed> all = place_all(keyframes, first_id);
   find_extent(all, keyframes[keyframes.size() / 2]->T_map_imu, tiles);
-  std::vector<std::uint32_t> order(all.size());
-  std::iota(order.begin(), order.end(), 0U);
-  std::sort(order.begin(), order.end(),
-            [](std::uint32_t a, std::uint32_t b) { return mix(a + 1) < mix(b + 1); });
+  // Shuffled: in the order of mixed numbers, whose lower half is replaced by what they stand for.
+  std::vector<std::uint64_t> order(all.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = (mix(i + 1) & ~kIndex) | i;
+  std::sort(order.begin(), order.end());
   std::vector<CellSet> taken(kNumLevels - 1, CellSet(all.size()));
-  for (const std::uint32_t i : order) {
+  for (const std::uint64_t shuffled : order) {
+    const std::size_t i = shuffled & kIndex;
     std::size_t level = 0;
     while (level + 1 < kNumLevels && !taken[level].insert(cell_of(all[i].p_map, kLevelCells[level]))) ++level;
     tiles.levels[level].push_back(all[i].point);
