@@ -43,6 +43,7 @@ void LiveRun::add(const LiveScan& scan) {
 
 void LiveRun::let_go() {
   take_scans();
+  const std::unique_lock wait(use_);
   const std::lock_guard lock(mutex_);
   atlas_.reset();
   tiles_.reset();
@@ -64,6 +65,7 @@ std::string LiveRun::scene() {
 }
 
 Response LiveRun::tile(int first, int last, int level) {
+  const std::shared_lock use(use_);
   std::shared_ptr<RecordedRun> recorded;
   std::shared_ptr<TileStore> tiles;
   {
@@ -95,6 +97,7 @@ void LiveRun::take_scans() {
 }
 
 void LiveRun::read_atlas() {
+  const std::shared_lock use(use_);
   std::shared_ptr<const atlas::Atlas> atlas;
   Time begin;
   {

@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <shared_mutex>
 #include <string>
 #include <string_view>
 
@@ -60,7 +61,8 @@ class LiveRun final : public Content, public LiveFeed {
   double read_ms_ = 0.0;
   Stopwatch stopwatch_;
 
-  std::mutex mutex_;  ///< guards what follows; the run never takes it while scans come
+  std::shared_mutex use_;  ///< held by those who read the atlas: it is closed when they are done
+  std::mutex mutex_;       ///< guards what follows; the run never takes it while scans come
   std::shared_ptr<const atlas::Atlas> atlas_;
   std::shared_ptr<TileStore> tiles_;
   std::shared_ptr<RecordedRun> recorded_;

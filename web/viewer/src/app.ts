@@ -92,7 +92,7 @@ export class App {
       this.stage.moved();
     }
     const { length } = this.scene.atlas.keyframes.id;
-    if (length !== before && !this.follows && (before < 3 || Math.floor(length / 8) !== Math.floor(before / 8))) this.stage.show(this.box(), 'aslant');
+    if (length !== before && !this.follows && !this.stage.isSteered && (before < 3 || Math.floor(length / 8) !== Math.floor(before / 8))) this.stage.show(this.box(), 'aslant');
   }
 
   hasEnded(): void {

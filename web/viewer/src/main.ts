@@ -36,7 +36,7 @@ function setColour(mode: ColourBy): void {
 }
 
 const actions: Record<string, () => void> = {
-  f: () => { setFollow(false); app.stage.show(app.box(), 'aslant'); },
+  f: () => { setFollow(false); app.stage.isSteered = false; app.stage.show(app.box(), 'aslant'); },
   t: () => { setFollow(false); app.stage.show(app.box(), 'above'); },
   r: () => setFollow(!app.follows),
   m: () => app.measure.toggle(),

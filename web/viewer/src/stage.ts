@@ -26,6 +26,8 @@ export class Stage {
   readonly pointScene = new THREE.Scene();
   readonly lineScene = new THREE.Scene();
   relief = true;
+  /** By somebody who would not like the camera to move by itself. */
+  isSteered = false;
   /** Points per picture while things move; at rest there may be more. */
   budget = 1.5e6;
   framesPerSecond = 0;
@@ -67,6 +69,8 @@ export class Stage {
     Object.assign(this.controls, { enableDamping: true, dampingFactor: 0.12, zoomToCursor: true, maxPolarAngle: Math.PI * 0.98, zoomSpeed: 1.3 });
     this.controls.listenToKeyEvents(this.renderer.domElement);
     this.controls.addEventListener('change', () => this.moved());
+    this.controls.addEventListener('start', () => { this.isSteered = true; });
+    this.renderer.domElement.addEventListener('wheel', () => { this.isSteered = true; }, { passive: true });
     new ResizeObserver(() => this.resize()).observe(holder);
     this.resize();
     requestAnimationFrame((now) => this.frame(now));
