@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -176,6 +177,39 @@ TEST(PlaneMap, SeveralRingsAreTheFloorAndNotTheConeOfTheBeams) {
     // Noise along beams that hit at 15 degrees is 5 mm across the floor; cells are 0.5 m wide.
     EXPECT_TRUE(!match.found || std::abs(match.normal.z()) > 0.99) << match.normal.transpose();
   }
+}
+
+/// Points of one turn of one laser in the corner of the walls x = 6 and y = 5, seen from the origin.
+Points ring_in_a_corner(double elevation_deg, std::uint64_t seed) {
+  sim::Random random(seed);
+  const double elevation = elevation_deg * std::numbers::pi / 180.0;
+  Points points;
+  for (double azimuth = 0.2; azimuth < 1.3; azimuth += 0.002) {
+    const Vector3d beam(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
+                        std::sin(elevation));
+    const double range = std::min(6.0 / beam.x(), 5.0 / beam.y());
+    points.push_back(beam * (range + kRangeNoise * random.normal()));
+  }
+  return points;
+}
+
+TEST(PlaneMap, ASingleRingRoundACornerIsNoPlaneThoughItIsFlatAndWide) {
+  const Points ring = ring_in_a_corner(5.0, 11);
+  const auto matches_across = [&](double min_incidence_deg) {
+    PlaneMapConfig config = one_level(2.0);
+    config.min_incidence_deg = min_incidence_deg;
+    PlaneMap map(config, kRangeNoise);
+    map.insert(ring, Vector3d::Zero());
+    int count = 0;
+    for (const Vector3d& point : ring) {
+      const PlaneMatch match = map.match(point, kGate);
+      count += match.found && std::abs(match.normal.z()) > 0.9;
+    }
+    return count;
+  };
+  EXPECT_EQ(matches_across(2.0), 0);
+  // Without the rule a level surface that is not there would hold the sensor at its height and tilt.
+  EXPECT_GT(matches_across(0.0), 50);
 }
 
 TEST(PlaneMap, PointsBeyondTheGateHaveNoMatch) {

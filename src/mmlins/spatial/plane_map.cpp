@@ -2,6 +2,8 @@
 #include "mmlins/spatial/plane_map.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <cmath>
+#include <numbers>
 
 #include "mmlins/base/parallel.hpp"
 
@@ -25,6 +27,8 @@ Fields PlaneMapConfig::fields() {
             "largest ratio of the variance across the plane to the smaller variance along it"),
       field("min_width_sigmas", min_width_sigmas, "", {0.0, 100.0},
             "the narrower spread along a plane must exceed this many standard deviations of the range"),
+      field("min_incidence_deg", min_incidence_deg, "deg", {0.0, 45.0},
+            "the beams must have met the plane at this angle at least (root mean square): else it is what they sweep"),
       field("offset_noise", offset_noise, "m", {0.0, 0.5},
             "standard deviation of a plane's position that no number of points averages out: the poses they were seen from"),
   };
@@ -47,13 +51,15 @@ void PlaneMap::insert(std::span<const Eigen::Vector3d> points, const Eigen::Vect
     std::vector<std::uint32_t> grown;
     const double reach = reach_of(level);
     for (const Eigen::Vector3d& point : points) {
-      if ((point - viewpoint).squaredNorm() < reach * reach) add_point(level, point, grown);
+      const Eigen::Vector3d beam = point - viewpoint;
+      if (beam.squaredNorm() < reach * reach) add_point(level, point, beam.normalized(), grown);
     }
     for (const std::uint32_t id : grown) fit_plane(level.payloads()[id]);
   });
 }
 
-void PlaneMap::add_point(VoxelTable<Cell>& level, const Eigen::Vector3d& point, std::vector<std::uint32_t>& grown) {
+void PlaneMap::add_point(VoxelTable<Cell>& level, const Eigen::Vector3d& point, const Eigen::Vector3d& beam,
+                         std::vector<std::uint32_t>& grown) {
   const std::uint32_t id = level.find_or_add(level.index_of(point));
   Cell& cell = level.payloads()[id];
   if (cell.num_points >= config_.max_points) return;
@@ -61,6 +67,7 @@ void PlaneMap::add_point(VoxelTable<Cell>& level, const Eigen::Vector3d& point, 
   const Eigen::Vector3f d = (point - cell.origin).cast<float>();
   cell.sum += d;
   cell.outer += d * d.transpose();
+  cell.beams += (beam * beam.transpose()).cast<float>();
   ++cell.num_points;
   // Refit when a fifth more points have come: a cell is fitted a few dozen times in its life.
   const bool due = cell.num_points >= config_.min_points && 5 * cell.num_points >= 6 * cell.num_points_at_fit;
@@ -79,10 +86,14 @@ void PlaneMap::fit_plane(Cell& cell) const {
   // Range noise alone spreads the points of one ring along the beam: together with the ring's own direction
   // that makes a perfect plane which is not there, the one that the beams sweep.
   const double least_width2 = config_.min_width_sigmas * config_.min_width_sigmas * range_variance_;
+  const Eigen::Vector3d normal = solver.eigenvectors().col(0);
+  // One ring alone cuts whatever it meets, corners and trees too, in a flat curve. What the beams sweep lies along them.
+  const double incidence2 = normal.dot(cell.beams.cast<double>() * normal) * inverse;
+  const double least_incidence = std::sin(config_.min_incidence_deg * std::numbers::pi / 180.0);
   cell.is_plane = spread(1) > least_width2 && spread(0) < config_.max_thickness * config_.max_thickness &&
-                  spread(0) < config_.max_flatness_ratio * spread(1);
+                  spread(0) < config_.max_flatness_ratio * spread(1) && incidence2 > least_incidence * least_incidence;
   cell.mean = mean.cast<float>();
-  cell.normal = solver.eigenvectors().col(0).cast<float>();
+  cell.normal = normal.cast<float>();
   cell.middle = solver.eigenvectors().col(1).cast<float>();
   cell.spread = spread.cast<float>();
 }

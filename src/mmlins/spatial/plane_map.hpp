@@ -22,6 +22,7 @@ struct PlaneMapConfig {
   double max_thickness = 0.06;
   double max_flatness_ratio = 0.04;
   double min_width_sigmas = 4.0;
+  double min_incidence_deg = 2.0;
   double offset_noise = 0.01;
 
   [[nodiscard]] Fields fields();
@@ -45,6 +46,7 @@ class PlaneMap final : public LocalMap {
     int num_points_at_fit = 0;
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();
     Eigen::Matrix3f outer = Eigen::Matrix3f::Zero();
+    Eigen::Matrix3f beams = Eigen::Matrix3f::Zero();    ///< sum of the outer products of the beams' directions
     bool is_plane = false;
     Eigen::Vector3f mean = Eigen::Vector3f::Zero();     ///< relative to origin
     Eigen::Vector3f normal = Eigen::Vector3f::Zero();
@@ -54,7 +56,8 @@ class PlaneMap final : public LocalMap {
 
   /// Distance from the sensor up to which a level is kept [m].
   [[nodiscard]] double reach_of(const VoxelTable<Cell>& level) const;
-  void add_point(VoxelTable<Cell>& level, const Eigen::Vector3d& point, std::vector<std::uint32_t>& grown);
+  void add_point(VoxelTable<Cell>& level, const Eigen::Vector3d& point, const Eigen::Vector3d& beam,
+                 std::vector<std::uint32_t>& grown);
   void fit_plane(Cell& cell) const;
   /// The match that one cell offers; not found if the point is beyond the gate.
   [[nodiscard]] PlaneMatch match_cell(const Cell& cell, const Eigen::Vector3d& point, double gate) const;
