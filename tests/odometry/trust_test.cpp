@@ -52,6 +52,30 @@ void expect_believed(TrustJudge judge, const Evidence& evidence) {
   EXPECT_EQ(verdict.cause, Cause::kNone);
 }
 
+TEST(TrustJudge, RefusesAReturnThatFitsAtSeveralPlaces) {
+  Evidence evidence = usual_scan(10.0);
+  evidence.drift = 1.0;
+  expect_believed(experienced(), evidence);
+  evidence.ambiguous = true;
+  expect_refused(experienced(), evidence, Cause::kAmbiguous);
+}
+
+TEST(TrustJudge, AProvisionalBeliefEndsNoAbsenceAndIsNoMeasureOfWhatIsUsual) {
+  const TrustConfig config;
+  TrustJudge judge = experienced();
+  for (int i = 1; i <= 100; ++i) {
+    Evidence half = explained_by(0.3, 10.0 + 0.1 * i);
+    half.drift = 1.0;
+    half.provisional = true;
+    EXPECT_TRUE(judge.judge(half).trusted);
+  }
+  // The usual is 0.6 still, and who has been absent is asked where the IMU can have gone.
+  expect_refused(judge, explained_by(0.9 * config.min_explained * 0.6, 20.1), Cause::kTooFewMatches);
+  Evidence far = usual_scan(20.1);
+  far.return_chi2 = 2.0 * config.max_return_chi2;
+  expect_refused(judge, far, Cause::kImuDisagrees);
+}
+
 TEST(RunningMedian, SaysNothingBeforeTenValuesAndThenTheMiddleOne) {
   RunningMedian median;
   for (int i = 0; i < 9; ++i) {
@@ -126,20 +150,16 @@ TEST(TrustJudge, BelievesAShrunkenScanThatTheMapExplains) {
   expect_believed(experienced(), evidence);
 }
 
-TEST(TrustJudge, AsksForMoreAfterAnAbsenceInWhichThePoseMayHaveDrifted) {
+TEST(TrustJudge, AsksForMoreAfterAContradictionByTheImu) {
   const TrustConfig config;
-  const double between = 0.6 * 0.5 * (config.min_explained + config.min_explained_again);
-  Evidence evidence = explained_by(between, 3.0 + 1.1 * config.short_absence);
-  evidence.drift = 1.01 * config.doubtful_drift;
-  expect_refused(experienced(3.0), evidence, Cause::kTooFewMatches);
-  evidence.explained = 1.01 * 0.6 * config.min_explained_again;
-  expect_believed(experienced(3.0), evidence);
-  evidence.explained = between;
-  evidence.drift = 0.99 * config.doubtful_drift;  // under a torn cover, but where the IMU says
-  expect_believed(experienced(3.0), evidence);
-  evidence.drift = 1.01 * config.doubtful_drift;
-  evidence.time = at(3.0 + 0.9 * config.short_absence);
-  expect_believed(experienced(3.0), evidence);
+  const Evidence between = explained_by(0.6 * 0.5 * (config.min_explained + config.min_explained_again), 3.2);
+  expect_believed(experienced(3.0), between);
+  TrustJudge contradicted = experienced(3.0);
+  Evidence disagreeing = usual_scan(3.1);
+  disagreeing.imu_disagrees = true;
+  EXPECT_FALSE(contradicted.judge(disagreeing).trusted);
+  expect_refused(contradicted, between, Cause::kTooFewMatches);
+  expect_believed(contradicted, explained_by(1.01 * 0.6 * config.min_explained_again, 3.2));
 }
 
 TEST(TrustJudge, DoesNotReturnOnAScanThatHasShrunkWhileThePoseIsInDoubt) {

@@ -153,6 +153,7 @@ TEST(PlaneMap, ASingleRingIsNoPlane) {
   const auto matches_with = [&](double min_width_sigmas) {
     PlaneMapConfig config = one_level(0.5);
     config.min_width_sigmas = min_width_sigmas;
+    config.min_incidence_deg = 0.0;
     PlaneMap map(config, kRangeNoise);
     map.insert(ring, Vector3d::Zero());
     return count_matches(map, ring);
@@ -307,7 +308,7 @@ TEST(PlaneMap, PrecisionDoesNotDependOnTheDistanceFromTheOrigin) {
   TiltedPlane there = here;
   there.t += Vector3d(2000.0, -1500.0, 100.0);
   PlaneMap map(one_level(2.0), kRangeNoise);
-  map.insert(there.sample(20000, 5.0, 10), there.t);
+  map.insert(there.sample(20000, 5.0, 10), there.at(0.0, 0.0, 4.0));
   const Vector3d point = there.at(0.3, 0.3, 0.05);
   const PlaneMatch match = map.match(point, kGate);
   ASSERT_TRUE(match.found);

@@ -44,10 +44,11 @@ Step gauss_newton_step(const ErrorMatrix& P_bar, const ErrorVector& d_prior, con
 
 }  // namespace
 
-UpdateReport iterated_update(const imu::Estimate& prior, const MeasurementModel& measure, const UpdateLimits& limits) {
+UpdateReport iterated_update(const imu::Estimate& prior, const MeasurementModel& measure, const UpdateLimits& limits,
+                             const imu::NavState* start) {
   UpdateReport report;
   report.estimate = prior;
-  imu::NavState x = prior.state;
+  imu::NavState x = start != nullptr ? *start : prior.state;
   ErrorMatrix P = prior.P;
   for (int iteration = 0; iteration < limits.max_iterations; ++iteration) {
     report.information = measure(x, P);

@@ -41,7 +41,9 @@ struct UpdateReport {
 };
 
 /// Fuses the measurement with the prior estimate. Eqs. (9)-(14).
+/// @param start  where the iterations begin, if not at the prior: the result is the same unless the measurement has
+///               several minima
 [[nodiscard]] UpdateReport iterated_update(const imu::Estimate& prior, const MeasurementModel& measure,
-                                           const UpdateLimits& limits);
+                                           const UpdateLimits& limits, const imu::NavState* start = nullptr);
 
 }  // namespace mmlins::filter

@@ -94,7 +94,8 @@ void LidarInertialOdometry::look_for_a_way_on(const ScanPointer& scan, const imu
                    drift.rotation > config_.restart.max_drift_deg * std::numbers::pi / 180.0)) {
     fall_asleep(result.cause);
   }
-  if (asleep_) result.state = TrackingState::kLost;
+  const bool returning = result.state == TrackingState::kRelocating;
+  if (asleep_ && !returning) result.state = TrackingState::kLost;
   const bool blind = result.num_keypoints < config_.matching.min_matches;
   const bool collapsed = blind || tracker_->is_collapsed(result);
   // A scan in which a cover comes or goes shows both what is in front of it and what is behind. It comes from one scan
@@ -110,12 +111,13 @@ void LidarInertialOdometry::look_for_a_way_on(const ScanPointer& scan, const imu
     restart_.reset();
     return;
   }
-  if (!unexplained_since_) unexplained_since_ = result.time;
+  if (!unexplained_since_ || result.state == TrackingState::kRelocating) unexplained_since_ = result.time;
   try_new_map(scan, before, collapsed, result);
 }
 
 bool LidarInertialOdometry::try_new_map(const ScanPointer& scan, const imu::Estimate& before, bool collapsed,
                                         ScanResult& result) {
+  const bool returning = result.state == TrackingState::kRelocating;
   if (!restart_) {
     const bool distrusts_imu = imu_was_silent_ || (asleep_ && num_failed_trials_ >= kMaxCarriedTrials);
     restart_ = std::make_unique<Restart>(config_, rig_, imu_was_silent_ ? tracker_->estimate() : before,
@@ -129,7 +131,8 @@ bool LidarInertialOdometry::try_new_map(const ScanPointer& scan, const imu::Esti
     return false;
   }
   if (asleep_ && !collapsed) result.state = TrackingState::kRelocating;
-  if (progress == Restart::Progress::kOnTrial) return false;
+  // The old map comes first, as long as it explains what is seen.
+  if (progress == Restart::Progress::kOnTrial || returning) return false;
   if (!asleep_ && unexplained_since_) {
     // Where the pose cannot be far off, what the map does not explain is in its way rather than elsewhere.
     const bool near = tracker_->drift().position < config_.trust.doubtful_drift;

@@ -26,6 +26,7 @@ std::string_view to_string(Cause cause) {
     case Cause::kBlocked: return "blocked";
     case Cause::kTooFewMatches: return "too few matches";
     case Cause::kWeakDirections: return "weak directions";
+    case Cause::kAmbiguous: return "place in doubt";
     case Cause::kImuDisagrees: return "IMU and LiDAR disagree";
     case Cause::kImuGap: return "IMU gap";
     case Cause::kNoStart: return "no start";

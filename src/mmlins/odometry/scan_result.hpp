@@ -19,7 +19,7 @@ enum class TrackingState {
   kDegraded,      ///< matched, but the scan leaves directions to the IMU
   kBridging,      ///< not matched: the IMU carried the pose here, and its drift is still within the budget
   kLost,          ///< the budget is spent, the map sleeps; the IMU goes on carrying the pose
-  kRelocating,    ///< the map sleeps, but the LiDAR sees again: a new map is on trial
+  kRelocating,    ///< the LiDAR sees again: a return from afar is on trial, or, as the map sleeps, a new one
 };
 
 enum class Cause {
@@ -28,6 +28,7 @@ enum class Cause {
   kBlocked,         ///< the scan has collapsed to what is near, or to few points, and the map does not explain it
   kTooFewMatches,   ///< there are points, but the map does not explain them
   kWeakDirections,  ///< the geometry does not determine all six directions; see observability
+  kAmbiguous,       ///< after an absence: several places fit, or the pose is in more doubt than a search can cover
   kImuDisagrees,    ///< the scan matches, but moves otherwise than the IMU feels: what it shows moves along
   kImuGap,          ///< matched, but the IMU was silent for part of the way
   kNoStart,         ///< velocity and gravity were not found well enough to begin a map with

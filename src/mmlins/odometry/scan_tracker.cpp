@@ -19,7 +19,8 @@ namespace mmlins::odometry {
 namespace {
 
 constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
-constexpr int kPatience = 4;
+/// However slow the sensor is: a wrong place explains one scan by chance, hardly so many in a row.
+constexpr int kScansOfATrial = 5;
 
 std::unique_ptr<spatial::LocalMap> make_map(const LocalMapConfig& config, double range_noise) {
   if (config.kind == MapKind::kKnn) return std::make_unique<spatial::KnnMap>(config.knn, range_noise);
@@ -27,7 +28,8 @@ std::unique_ptr<spatial::LocalMap> make_map(const LocalMapConfig& config, double
 }
 
 double largest_deviation(const imu::ErrorMatrix& P, int block) {
-  const Eigen::SelfAdjointEigenSolver<math::Matrix3d> solver(P.block<3, 3>(block, block), Eigen::EigenvaluesOnly);
+  const Eigen::SelfAdjointEigenSolver<math::Matrix3d> solver(P.block<3, 3>(block, block),
+                                                             Eigen::EigenvaluesOnly);
   return std::sqrt(std::max(0.0, solver.eigenvalues()(2)));
 }
 
@@ -43,8 +45,8 @@ double median_range(const lidar::Cloud& cloud) {
   return std::sqrt(*middle);
 }
 
-/// How far the update moved the pose, against the doubt of the prediction. The floor keeps a prediction that is
-/// sure of itself from calling the LiDAR's own errors a contradiction [rad], [m].
+/// How far the update moved the pose, against the doubt of the prediction. The floor keeps a prediction that
+/// is sure of itself from calling the LiDAR's own errors a contradiction [rad], [m].
 double return_chi2(const imu::Estimate& updated, const imu::Estimate& predicted, const math::Matrix6d& H) {
   constexpr double kRotationFloor = 0.01;
   constexpr double kPositionFloor = 0.05;
@@ -70,8 +72,9 @@ void set_state(ScanResult& result, const Verdict& verdict, bool has_imu_gap) {
 }  // namespace
 
 imu::ImuNoise imu_noise(const ImuModelConfig& config, const sensor::Rig& rig) {
-  return {config.gyro_noise_factor * rig.gyro_noise_density, config.accel_noise_factor * rig.accel_noise_density,
-          config.bias_walk_factor * rig.gyro_bias_walk, config.bias_walk_factor * rig.accel_bias_walk};
+  return {config.gyro_noise_factor * rig.gyro_noise_density,
+          config.accel_noise_factor * rig.accel_noise_density, config.bias_walk_factor * rig.gyro_bias_walk,
+          config.bias_walk_factor * rig.accel_bias_walk};
 }
 
 ScanTracker::ScanTracker(const OdometryConfig& config, const sensor::Rig& rig, const imu::Estimate& start,
@@ -94,8 +97,9 @@ ScanResult ScanTracker::track(std::shared_ptr<const sensor::LidarScan> scan, con
   Stopwatch stopwatch;
 
   // 1. Where did the IMU say we went while the LiDAR was sweeping?
-  const Motion motion = propagate_to(scan->end_time, imu);
-  result.carried = motion.propagation.estimate.state;
+  const Motion carried = propagate_to(estimate_, scan->end_time, imu);
+  const Motion motion = trial_ ? propagate_to(trial_->estimate, scan->end_time, imu) : carried;
+  result.carried = carried.propagation.estimate.state;
   result.times.propagate = stopwatch.lap_ms();
 
   // 2. Straighten the scan with that motion, and thin it.
@@ -117,20 +121,29 @@ ScanResult ScanTracker::track(std::shared_ptr<const sensor::LidarScan> scan, con
   result.times.update = stopwatch.lap_ms() - matched.analysis_ms;
 
   // 4. Is that to be believed?
-  const Verdict verdict = judge(matched, motion, imu, result);
+  const bool on_trial = is_far_off(carried.propagation.estimate) &&
+                        !(trial_ && trial_->num_scans >= kScansOfATrial &&
+                          result.time - trial_->since >= from_seconds(config_.restart.trial));
+  const Verdict verdict = judge(matched, carried, imu, on_trial, result);
   set_state(result, verdict, motion.has_gap);
   result.times.health = stopwatch.lap_ms() + matched.analysis_ms;
 
   // 5. Grow the map with what was placed. A pose that nothing confirms never writes geometry.
-  if (verdict.trusted) {
+  if (!verdict.trusted) {
+    trial_.reset();
+    postponed_.reset();
+  } else if (on_trial) {
+    trial_ = Trial{matched.update.estimate, trial_ ? trial_->since : result.time, trial_ ? trial_->num_scans + 1 : 1};
+    result.state = TrackingState::kRelocating;
+  } else {
+    trial_.reset();
     const bool returns = is_bridging_;
-    believe(matched.update.estimate, motion.propagation.estimate);
-    leaf_ = lidar::adapt_leaf(leaf_, prepared.keypoints.size(), static_cast<std::size_t>(config_.scan.target_keypoints),
+    believe(matched.update.estimate, carried.propagation.estimate);
+    leaf_ = lidar::adapt_leaf(leaf_, prepared.keypoints.size(),
+                              static_cast<std::size_t>(config_.scan.target_keypoints),
                               {config_.scan.min_leaf, config_.scan.max_leaf});
     if (postponed_) insert_into_map(*std::exchange(postponed_, std::nullopt));
     grow_map(prepared.map_points, returns, judge_.is_explained_as_usual(result.explained));
-  } else {
-    postponed_.reset();
   }
   result.estimate = estimate_;
   result.T_odom_map = T_odom_map_;
@@ -139,12 +152,13 @@ ScanResult ScanTracker::track(std::shared_ptr<const sensor::LidarScan> scan, con
   return result;
 }
 
-ScanResult ScanTracker::carry(std::shared_ptr<const sensor::LidarScan> scan, const sensor::ImuBuffer& imu, Cause cause) {
+ScanResult ScanTracker::carry(std::shared_ptr<const sensor::LidarScan> scan, const sensor::ImuBuffer& imu,
+                              Cause cause) {
   ScanResult result;
   result.time = scan->end_time;
   result.scan = scan;
   Stopwatch stopwatch;
-  const Motion motion = propagate_to(scan->end_time, imu);
+  const Motion motion = propagate_to(estimate_, scan->end_time, imu);
   result.times.propagate = stopwatch.lap_ms();
   const Prepared prepared = prepare(*scan, motion, result.times);
   result.num_points = static_cast<int>(prepared.cloud_imu->size());
@@ -171,12 +185,13 @@ void ScanTracker::set_estimate(const imu::Estimate& estimate) {
   agreement_.add(estimate_);
 }
 
-ScanTracker::Prepared ScanTracker::prepare(const sensor::LidarScan& scan, const Motion& motion, StageTimes& times) const {
+ScanTracker::Prepared ScanTracker::prepare(const sensor::LidarScan& scan, const Motion& motion,
+                                           StageTimes& times) const {
   Stopwatch stopwatch;
   Prepared prepared;
   // Every point as seen from the IMU at the end of the scan.
-  prepared.cloud_imu = std::make_shared<const lidar::Cloud>(
-      lidar::deskew(scan, motion.propagation.T_odom_imu, rig_.T_imu_lidar(), {rig_.min_range, rig_.max_range}));
+  prepared.cloud_imu = std::make_shared<const lidar::Cloud>(lidar::deskew(
+      scan, motion.propagation.T_odom_imu, rig_.T_imu_lidar(), {rig_.min_range, rig_.max_range}));
   times.deskew = stopwatch.lap_ms();
   prepared.map_points = lidar::voxel_downsample(*prepared.cloud_imu, leaf_ * config_.scan.map_leaf_share);
   prepared.keypoints = lidar::voxel_downsample(prepared.map_points, leaf_);
@@ -189,11 +204,13 @@ ScanTracker::Match ScanTracker::match(const Prepared& prepared, const imu::Estim
   result.update.estimate = prior;
   result.is_first = num_insertions_ == 0 && prepared.cloud_imu->size() > 0;
   if (result.is_first) return result;
-  LidarMeasurement measurement(prepared.keypoints.points, {*map_, T_odom_map_.inverse()}, config_.matching,
-                               {rig_.bearing_noise_deg * kRadiansPerDegree, rig_.T_imu_lidar().t});
+  const PlacedMap map(*map_, T_odom_map_.inverse());
+  const BeamNoise noise{rig_.bearing_noise_deg * kRadiansPerDegree, rig_.T_imu_lidar().t};
+  LidarMeasurement measurement(prepared.keypoints.points, map, config_.matching, noise);
   // Who returns from afar has a long way to the right place, and half of it would be believed as firmly.
-  const bool from_afar = is_bridging_ && drift_of(prior).position > config_.trust.doubtful_drift;
-  const int max_iterations = config_.matching.max_iterations * (from_afar ? kPatience : 1);
+  const bool from_afar = !trial_ && is_far_off(prior);
+  const auto found = from_afar ? search_return(prepared.keypoints, prior, map, config_.matching, noise) : std::nullopt;
+  const int max_iterations = config_.matching.max_iterations * (from_afar ? kPatienceFromAfar : 1);
   // What the scan determines is settled once, where the IMU predicts the pose: it must not flicker from
   // iteration to iteration.
   bool is_analysed = false;
@@ -210,12 +227,16 @@ ScanTracker::Match ScanTracker::match(const Prepared& prepared, const imu::Estim
         }
         // The planes of a map that has just begun are all doubtful: nothing could start without them.
         if (!config_.matching.soften_weak_directions || !judge_.knows_the_usual()) return information;
-        const auto soft = degeneracy::soften({information.H, information.b}, result.observability, config_.observability);
+        const auto soft =
+            degeneracy::soften({information.H, information.b}, result.observability, config_.observability);
         information.H = soft.H;
         information.b = soft.b;
         return information;
       },
-      {.max_iterations = max_iterations, .min_residuals = config_.matching.min_matches});
+      {.max_iterations = max_iterations, .min_residuals = config_.matching.min_matches},
+      found ? &found->start : nullptr);
+  result.ambiguous = found && (!found->covered || fits_elsewhere(result.update.estimate.state.p_odom, found->rivals,
+                                                               result.observability));
   result.has_update = result.update.status != filter::UpdateStatus::kTooFewResiduals;
   if (!result.has_update) result.observability = {};
   if (result.has_update && config_.detector != DetectorKind::kDefault) {
@@ -225,16 +246,32 @@ ScanTracker::Match ScanTracker::match(const Prepared& prepared, const imu::Estim
   return result;
 }
 
-Verdict ScanTracker::judge(const Match& match, const Motion& motion, const sensor::ImuBuffer& imu, ScanResult& result) {
-  estimate_ = motion.propagation.estimate;
+bool ScanTracker::is_far_off(const imu::Estimate& predicted) const {
+  if (!doubts_ || config_.detector != DetectorKind::kDefault) return false;
+  return is_bridging_ && drift_of(predicted).position > config_.trust.doubtful_drift;
+}
+
+Verdict ScanTracker::judge(const Match& match, const Motion& carried, const sensor::ImuBuffer& imu, bool on_trial,
+                           ScanResult& result) {
+  estimate_ = carried.propagation.estimate;
   if (match.is_first) return {true, Cause::kNone};
-  Evidence evidence{result.time, result.num_points, result.median_range, match.has_update, result.explained,
-                    drift().position, 0.0, false};
+  Evidence evidence{result.time,
+                    result.num_points,
+                    result.median_range,
+                    match.has_update,
+                    result.explained,
+                    drift().position,
+                    0.0,
+                    false,
+                    match.ambiguous,
+                    on_trial};
   // While the start is sought, and in the systems that ours is compared with, every match is believed.
   if (!doubts_ || config_.detector != DetectorKind::kDefault) {
     if (match.has_update) judge_.learn(evidence);
     is_bridging_ = !match.has_update;
-    return {match.has_update, match.has_update ? Cause::kNone : result.num_points == 0 ? Cause::kNoPoints : Cause::kTooFewMatches};
+    return {match.has_update, match.has_update         ? Cause::kNone
+                              : result.num_points == 0 ? Cause::kNoPoints
+                                                       : Cause::kTooFewMatches};
   }
   std::optional<Disagreement> disagreement;
   if (match.has_update) {
@@ -249,7 +286,8 @@ Verdict ScanTracker::judge(const Match& match, const Motion& motion, const senso
   const Verdict verdict = judge_.judge(evidence);
   if (verdict.trusted) return verdict;
   if (verdict.cause == Cause::kImuDisagrees && evidence.imu_disagrees) {
-    // The scans of the last second were wrong as well. What they did to the pose stays in odom, which never jumps.
+    // The scans of the last second were wrong as well. What they did to the pose stays in odom, which never
+    // jumps.
     const math::SE3 T_odom_imu = estimate_.state.T_odom_imu();
     estimate_ = disagreement->imu_alone;
     call_the_pose(T_odom_imu);
@@ -263,7 +301,8 @@ void ScanTracker::believe(const imu::Estimate& updated, const imu::Estimate& pre
   const bool returns = std::exchange(is_bridging_, false);
   const math::SE3 T_predicted = predicted.state.T_odom_imu();
   estimate_ = updated;
-  const double turn = math::so3_log(math::Matrix3d(T_predicted.R.transpose() * updated.state.R_odom_imu)).norm();
+  const double turn =
+      math::so3_log(math::Matrix3d(T_predicted.R.transpose() * updated.state.R_odom_imu)).norm();
   const double step = (updated.state.p_odom - T_predicted.t).norm();
   if (returns && (step > config_.trust.max_step || turn > config_.trust.max_step_deg * kRadiansPerDegree)) {
     call_the_pose(T_predicted);
@@ -276,6 +315,7 @@ void ScanTracker::call_the_pose(const math::SE3& T_odom_imu) {
   const math::SE3 T_new_odom = T_odom_imu * estimate_.state.T_odom_imu().inverse();
   estimate_ = imu::transformed(T_new_odom, estimate_);
   last_trusted_ = imu::transformed(T_new_odom, last_trusted_);
+  if (trial_) trial_->estimate = imu::transformed(T_new_odom, trial_->estimate);
   T_odom_map_ = T_new_odom * T_odom_map_;
   agreement_.clear();
 }
@@ -295,27 +335,29 @@ Time ScanTracker::needs_imu_since() const {
   return std::min(estimate_.state.time, agreement_.needs_imu_since().value_or(estimate_.state.time));
 }
 
-ScanTracker::Motion ScanTracker::propagate_to(Time time, const sensor::ImuBuffer& imu) const {
-  const Time now = estimate_.state.time;
+ScanTracker::Motion ScanTracker::propagate_to(const imu::Estimate& from, Time time, const sensor::ImuBuffer& imu) const {
+  const Time now = from.state.time;
   const sensor::ImuSamples samples = imu.covering(now, time);
   MMLINS_CHECK(!samples.empty());
   const Duration silence = imu.longest_gap(now, time);
-  Motion motion{imu::propagate(estimate_, samples, noise_), to_seconds(silence) > config_.imu.max_gap};
+  Motion motion{imu::propagate(from, samples, noise_), to_seconds(silence) > config_.imu.max_gap};
   // A silence longer than this step was doubted before: it counts only as far as it is new.
-  if (motion.has_gap) motion.propagation.estimate.P += imu::doubt_after_gap(to_seconds(std::min(silence, time - now)));
+  if (motion.has_gap)
+    motion.propagation.estimate.P += imu::doubt_after_gap(to_seconds(std::min(silence, time - now)));
   return motion;
 }
 
 bool ScanTracker::insertion_is_due() const {
   if (num_insertions_ < config_.map.initial_insertions) return true;
-  const math::SE3 moved = T_map_last_insertion_.inverse() * T_odom_map_.inverse() * estimate_.state.T_odom_imu();
+  const math::SE3 moved =
+      T_map_last_insertion_.inverse() * T_odom_map_.inverse() * estimate_.state.T_odom_imu();
   return moved.t.norm() >= config_.map.insert_distance ||
          math::so3_log(moved.R).norm() >= config_.map.insert_angle_deg * kRadiansPerDegree;
 }
 
 void ScanTracker::grow_map(const lidar::Cloud& cloud_imu, bool returns, bool as_usual) {
-  // A scan in which a cover comes or goes shows the cover as well. It goes when the robot returns into its map, it
-  // comes when the next scan is not believed.
+  // A scan in which a cover comes or goes shows the cover as well. It goes when the robot returns into its
+  // map, it comes when the next scan is not believed.
   if (cloud_imu.size() == 0 || !insertion_is_due() || (returns && num_insertions_ > 0)) return;
   const Placed placed{cloud_imu.points, T_odom_map_.inverse() * estimate_.state.T_odom_imu()};
   if (num_insertions_ > 0 && !as_usual) {
@@ -329,7 +371,8 @@ void ScanTracker::insert_into_map(const Placed& placed) {
   const math::SE3& T_map_imu = placed.T_map_imu;
   std::vector<Eigen::Vector3d> points_map;
   points_map.reserve(placed.points_imu.size());
-  for (const Eigen::Vector3f& p_imu : placed.points_imu) points_map.push_back(T_map_imu * p_imu.cast<double>());
+  for (const Eigen::Vector3f& p_imu : placed.points_imu)
+    points_map.push_back(T_map_imu * p_imu.cast<double>());
   map_->insert(points_map, T_map_imu.t);
   map_->evict_beyond(T_map_imu.t, config_.map.radius);
   T_map_last_insertion_ = T_map_imu;

@@ -7,6 +7,7 @@
 #include "mmlins/filter/iterated_update.hpp"
 #include "mmlins/odometry/motion_agreement.hpp"
 #include "mmlins/odometry/odometry_config.hpp"
+#include "mmlins/odometry/return_search.hpp"
 #include "mmlins/odometry/scan_result.hpp"
 #include "mmlins/odometry/trust.hpp"
 #include "mmlins/sensor/imu_buffer.hpp"
@@ -24,17 +25,20 @@ class ScanTracker {
   ScanTracker(const OdometryConfig& config, const sensor::Rig& rig, const imu::Estimate& start,
               const math::SE3& T_odom_map = {});
 
-  /// Propagate, straighten, match, correct, grow the map. A match that is not to be believed changes nothing: the
-  /// IMU carries the pose on, and every later scan tries again to return into the map.
+  /// Propagate, straighten, match, correct, grow the map. A match that is not to be believed changes nothing:
+  /// the IMU carries the pose on, and every later scan tries again to return into the map. A return from
+  /// where the pose was in doubt is on trial for a while (RELOCATING): if the map does not explain what is
+  /// seen next, it is taken back.
   /// @param scan  must end later than the current state
   /// @param imu   must hold samples from needs_imu_since() to the end of the scan
   [[nodiscard]] ScanResult track(std::shared_ptr<const sensor::LidarScan> scan, const sensor::ImuBuffer& imu);
 
   /// Moves on with the IMU alone, as if the scan had not been taken.
-  [[nodiscard]] ScanResult carry(std::shared_ptr<const sensor::LidarScan> scan, const sensor::ImuBuffer& imu, Cause cause);
+  [[nodiscard]] ScanResult carry(std::shared_ptr<const sensor::LidarScan> scan, const sensor::ImuBuffer& imu,
+                                 Cause cause);
 
-  /// From here on a match may be refused. While the start is sought, velocity and gravity are not what the filter
-  /// takes them for, and every match is needed.
+  /// From here on a match may be refused. While the start is sought, velocity and gravity are not what the
+  /// filter takes them for, and every match is needed.
   void begin_to_doubt();
 
   [[nodiscard]] const imu::Estimate& estimate() const { return estimate_; }
@@ -75,13 +79,23 @@ class ScanTracker {
     double residual_rms = 0.0;
     double analysis_ms = 0.0;  ///< time spent on the observability
     bool has_update = false;
-    bool is_first = false;  ///< there is no map yet
+    bool is_first = false;   ///< there is no map yet
+    bool ambiguous = false;  ///< the map explains the scan elsewhere as well
   };
   [[nodiscard]] Drift drift_of(const imu::Estimate& estimate) const;
-  [[nodiscard]] Motion propagate_to(Time time, const sensor::ImuBuffer& imu) const;
-  [[nodiscard]] Prepared prepare(const sensor::LidarScan& scan, const Motion& motion, StageTimes& times) const;
+  [[nodiscard]] Motion propagate_to(const imu::Estimate& from, Time time, const sensor::ImuBuffer& imu) const;
+  [[nodiscard]] Prepared prepare(const sensor::LidarScan& scan, const Motion& motion,
+                                 StageTimes& times) const;
+  /// A return from afar that has yet to prove itself, while the IMU goes on carrying the pose.
+  struct Trial {
+    imu::Estimate estimate;  ///< if the return is right
+    Time since;
+    int num_scans = 0;  ///< that agreed with it
+  };
   [[nodiscard]] Match match(const Prepared& prepared, const imu::Estimate& prior) const;
-  [[nodiscard]] Verdict judge(const Match& match, const Motion& motion, const sensor::ImuBuffer& imu, ScanResult& result);
+  [[nodiscard]] bool is_far_off(const imu::Estimate& predicted) const;
+  [[nodiscard]] Verdict judge(const Match& match, const Motion& carried, const sensor::ImuBuffer& imu, bool on_trial,
+                              ScanResult& result);
   void believe(const imu::Estimate& updated, const imu::Estimate& predicted);
   [[nodiscard]] bool insertion_is_due() const;
   /// A scan and where it was seen from, in the frame of the map.
@@ -106,6 +120,7 @@ class ScanTracker {
   bool doubts_ = false;
   int num_insertions_ = 0;
   math::SE3 T_map_last_insertion_;
+  std::optional<Trial> trial_;       ///< of a return
   std::optional<Placed> postponed_;  ///< enters the map if the next scan is believed
 };
 

@@ -8,20 +8,26 @@ namespace mmlins::odometry {
 
 Fields TrustConfig::fields() {
   return {
-      field("usual_window", usual_window, "s", {1.0, 600.0}, "what is usual is the median over this much tracking"),
+      field("usual_window", usual_window, "s", {1.0, 600.0},
+            "what is usual is the median over this much tracking"),
       field("min_explained", min_explained, "", {0.0, 1.0},
             "a scan of which the map explains less than this share of the usual is not believed"),
       field("insert_explained", insert_explained, "", {0.0, 1.0},
             "a scan explained less than this enters the map only once the next one has been believed too"),
-      field("min_explained_again", min_explained_again, "", {0.0, 1.0}, "the same after an absence, when the pose is in doubt"),
-      field("doubtful_drift", doubtful_drift, "m", {0.0, 100.0}, "it is, when it may have drifted by this standard deviation"),
-      field("short_absence", short_absence, "s", {0.0, 60.0}, "after less than this the first scan needs no more than any other"),
+      field("min_explained_again", min_explained_again, "", {0.0, 1.0},
+            "the same after the IMU has contradicted, until a scan is believed again"),
+      field("doubtful_drift", doubtful_drift, "m", {0.0, 100.0},
+            "a pose that may have drifted by this standard deviation is in doubt: a return from there has to prove itself"),
+      field("short_absence", short_absence, "s", {0.0, 60.0},
+            "after less than this the first scan needs no more than any other"),
       field("max_return_chi2", max_return_chi2, "", {1.0, 1e6},
-            "after an absence: largest squared distance of the pose from the IMU's, in its standard deviations"),
+            "after an absence: largest squared distance of the pose from the IMU's, in its standard "
+            "deviations"),
       field("collapsed_range", collapsed_range, "", {0.0, 1.0},
             "an unexplained scan whose median range is below this share of the usual is blocked"),
       field("collapsed_count", collapsed_count, "", {0.0, 1.0}, "the same for its number of points"),
-      field("agreement_window", agreement_window, "s", {0.2, 10.0}, "IMU and LiDAR are compared over this time"),
+      field("agreement_window", agreement_window, "s", {0.2, 10.0},
+            "IMU and LiDAR are compared over this time"),
       field("max_disagreement", max_disagreement, "m", {0.01, 100.0},
             "they disagree when their motions differ by more, with what the IMU's own doubt explains on top"),
       field("max_disagreement_deg", max_disagreement_deg, "deg", {0.1, 180.0}, "the same for rotation"),
@@ -60,19 +66,27 @@ bool TrustJudge::has_collapsed(const Evidence& evidence) const {
          (count && evidence.num_points < config_.collapsed_count * *count);
 }
 
+bool TrustJudge::is_absent(const Evidence& evidence) const {
+  return was_contradicted_ ||
+         (last_trusted_ && evidence.time - *last_trusted_ > from_seconds(config_.short_absence));
+}
+
+bool TrustJudge::is_doubtful(const Evidence& evidence) const {
+  return was_contradicted_ || (is_absent(evidence) && evidence.drift > config_.doubtful_drift);
+}
+
 Cause TrustJudge::reason_to_refuse(const Evidence& evidence) const {
   if (evidence.num_points == 0) return Cause::kNoPoints;
   const Cause unexplained = has_collapsed(evidence) ? Cause::kBlocked : Cause::kTooFewMatches;
   if (!evidence.matched) return unexplained;
-  const bool absent =
-      was_contradicted_ || (last_trusted_ && evidence.time - *last_trusted_ > from_seconds(config_.short_absence));
-  const bool doubtful = was_contradicted_ || (absent && evidence.drift > config_.doubtful_drift);
+  const bool doubtful = is_doubtful(evidence);
   // A few points find a few planes anywhere: to return, the sensor must see as far as it did.
   if (doubtful && has_collapsed(evidence)) return Cause::kBlocked;
-  const double share = doubtful ? config_.min_explained_again : config_.min_explained;
+  const double share = was_contradicted_ ? config_.min_explained_again : config_.min_explained;
   const auto usual = explained_.median();
   if (usual && evidence.explained < share * *usual) return unexplained;
-  if (absent && evidence.return_chi2 > config_.max_return_chi2) return Cause::kImuDisagrees;
+  if (is_absent(evidence) && evidence.return_chi2 > config_.max_return_chi2) return Cause::kImuDisagrees;
+  if (evidence.ambiguous) return Cause::kAmbiguous;
   if (evidence.imu_disagrees) return Cause::kImuDisagrees;
   return Cause::kNone;
 }
@@ -84,9 +98,9 @@ bool TrustJudge::is_explained_as_usual(double explained) const {
 
 Verdict TrustJudge::judge(const Evidence& evidence) {
   const Cause cause = reason_to_refuse(evidence);
-  was_contradicted_ = cause == Cause::kImuDisagrees || (was_contradicted_ && cause != Cause::kNone);
+  was_contradicted_ = cause == Cause::kImuDisagrees || (was_contradicted_ && (cause != Cause::kNone || evidence.provisional));
   if (cause != Cause::kNone) return {false, cause};
-  learn(evidence);
+  if (!evidence.provisional) learn(evidence);
   return {true, Cause::kNone};
 }
 

@@ -53,7 +53,9 @@ struct Evidence {
   double explained = 0.0;     ///< share of the keypoints that match
   double drift = 0.0;         ///< standard deviation of the predicted position since it was last believed [m]
   double return_chi2 = 0.0;   ///< shift of the update against the prediction's own doubt
-  bool imu_disagrees = false; ///< over the last while, MotionAgreement
+  bool imu_disagrees = false;  ///< over the last while, MotionAgreement
+  bool ambiguous = false;      ///< another place explains the scan as well, or may do so
+  bool provisional = false;    ///< believed for now: a return from afar has to prove itself still
 };
 
 struct Verdict {
@@ -76,6 +78,8 @@ class TrustJudge {
   [[nodiscard]] bool has_collapsed(const Evidence& evidence) const;
 
  private:
+  [[nodiscard]] bool is_absent(const Evidence& evidence) const;
+  [[nodiscard]] bool is_doubtful(const Evidence& evidence) const;
   [[nodiscard]] Cause reason_to_refuse(const Evidence& evidence) const;
 
   TrustConfig config_;
