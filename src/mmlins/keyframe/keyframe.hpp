@@ -28,6 +28,11 @@ struct Keyframe {
   std::vector<std::uint16_t> intensities;              ///< of each point; empty if there are none
 };
 
+/// Angle of the rotation from one pose to the other [rad].
+[[nodiscard]] inline double turn_between(const math::SE3& T_a, const math::SE3& T_b) {
+  return math::so3_log((T_a.R.transpose() * T_b.R).eval()).norm();
+}
+
 /// Keyframes are shared between stages and never changed.
 using KeyframePointer = std::shared_ptr<const Keyframe>;
 using Keyframes = std::vector<KeyframePointer>;

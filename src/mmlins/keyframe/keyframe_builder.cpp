@@ -12,10 +12,6 @@ namespace {
 using math::SE3;
 using math::Vector3d;
 
-double turn_between(const SE3& T_a, const SE3& T_b) {
-  return math::so3_log((T_a.R.transpose() * T_b.R).eval()).norm();
-}
-
 }  // namespace
 
 Fields KeyframeConfig::fields() {

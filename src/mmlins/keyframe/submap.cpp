@@ -87,10 +87,6 @@ class VoxelMeans {
   std::vector<Cell> cells_;
 };
 
-double turn_between(const SE3& T_a, const SE3& T_b) {
-  return math::so3_log((T_a.R.transpose() * T_b.R).eval()).norm();
-}
-
 }  // namespace
 
 Fields SubmapConfig::fields() {

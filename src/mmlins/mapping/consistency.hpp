@@ -11,9 +11,6 @@
 
 namespace mmlins::mapping {
 
-/// Maps are not joined, or not any longer, if closures against it weigh more than this share of those for it.
-inline constexpr double kRivalShare = 0.5;
-
 /// A closure as it is compared.
 struct Placement {
   math::SE3 T_into_world;                             ///< how it places the world

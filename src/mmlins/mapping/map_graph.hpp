@@ -48,6 +48,7 @@ class MapGraph {
     return num_bridges_[static_cast<std::size_t>(id_a)] != num_bridges_[static_cast<std::size_t>(id_b)];
   }
 
+  [[nodiscard]] int num_maps() const { return static_cast<int>(begins_.size()); }
   [[nodiscard]] int num_keyframes() const { return static_cast<int>(graph_.nodes.size()); }
   [[nodiscard]] math::SE3 T_world_keyframe(int id) const;
   [[nodiscard]] int map_of(int id) const { return graph_.nodes[static_cast<std::size_t>(id)].map; }

@@ -36,21 +36,22 @@ Matrix6d of_keyframes(const Matrix6d& information, const SubmapRecord& source) {
 
 Mapper::Mapper(const MappingConfig& config, keyframe::KeyframeStore& store)
     : config_(config),
-      graph_(config.link, config.optimizer),
+      worlds_(MapGraph(config.link, config.optimizer)),
+      merger_(config, worlds_),
       library_(config.submap, config.verification.registration, store),
-      finder_(config, graph_, library_),
+      finder_(config, worlds_.graph, library_),
       cutter_(config.submap) {}
 
 void Mapper::begin_map(const MapBegin& begin) {
-  graph_.begin_map(begin);
+  worlds_.graph.begin_map(begin);
   latest_map_ = begin.map_id;
   num_probes_ = 0;
-  map_begins_at_ = graph_.num_keyframes() > 0 ? graph_.odometer(graph_.num_keyframes() - 1) : 0.0;
+  map_begins_at_ = worlds_.graph.num_keyframes() > 0 ? worlds_.graph.odometer(worlds_.graph.num_keyframes() - 1) : 0.0;
 }
 
 void Mapper::add(const keyframe::KeyframePointer& keyframe, const math::Matrix6d& pose_covariance) {
-  now_ = keyframe->time;
-  graph_.add(*keyframe, pose_covariance);
+  worlds_.now = keyframe->time;
+  worlds_.graph.add(*keyframe, pose_covariance);
   if (const auto complete = cutter_.add(keyframe)) {
     look_around(*complete, true);
   } else if (probe_is_due()) {
@@ -62,18 +63,18 @@ void Mapper::add(const keyframe::KeyframePointer& keyframe, const math::Matrix6d
 void Mapper::bridge(const Matrix6d& covariance) {
   // A submap must not hold what was seen before and after: it may not fit together.
   end_map();
-  graph_.bridge(covariance);
+  worlds_.graph.bridge(covariance);
 }
 
 void Mapper::end_map() {
   if (const auto rest = cutter_.finish()) look_around(*rest, true);
 }
 
-bool Mapper::is_alone(int map) const { return map > 0 && graph_.world_of(map) == map; }
+bool Mapper::is_alone(int map) const { return map > 0 && worlds_.graph.world_of(map) == map; }
 
 bool Mapper::probe_is_due() const {
   if (!is_alone(latest_map_) || num_probes_ >= kProbeAfter.size()) return false;
-  return graph_.odometer(graph_.num_keyframes() - 1) - map_begins_at_ >= kProbeAfter[num_probes_];
+  return worlds_.graph.odometer(worlds_.graph.num_keyframes() - 1) - map_begins_at_ >= kProbeAfter[num_probes_];
 }
 
 void Mapper::look_around(const keyframe::Keyframes& keyframes, bool is_complete) {
@@ -96,31 +97,31 @@ void Mapper::find_known_places(const View& view, const place::PlaceDescriptor& d
   const bool may_join = config_.fusion != FusionKind::kOff;
   bool other_worlds = false;
   for (const SubmapRecord& record : library_.records()) {
-    other_worlds = other_worlds || (may_join && graph_.world_of(record.map_id) != graph_.world_of(view.record.map_id));
+    other_worlds = other_worlds || (may_join && worlds_.graph.world_of(record.map_id) != worlds_.graph.world_of(view.record.map_id));
   }
-  const bool is_quiet = graph_.odometer(view.record.id) < quiet_until_;
+  const bool is_quiet = worlds_.graph.odometer(view.record.id) < quiet_until_;
   if (is_quiet && !other_worlds) return;
   std::vector<std::size_t> examined;
   const auto consider = [&](const std::vector<PlaceCandidate>& candidates) {
     for (const PlaceCandidate& candidate : candidates) {
       if (std::find(examined.begin(), examined.end(), candidate.index) != examined.end()) continue;
-      const int target_world = graph_.world_of(library_.records()[candidate.index].map_id);
-      const int world = graph_.world_of(view.record.map_id);
+      const int target_world = worlds_.graph.world_of(library_.records()[candidate.index].map_id);
+      const int world = worlds_.graph.world_of(view.record.map_id);
       if (target_world == world ? is_quiet : !may_join) continue;
       examined.push_back(candidate.index);
       Closure* closure = examine(view, candidate);
       if (!closure) continue;
       if (closure->state == ClosureState::kRefused) {
-        for (const int merge : merges_between(*closure)) review(merge);
+        for (const int merge : merger_.merges_between(*closure)) merger_.review(merge);
       }
       if (closure->state != ClosureState::kWaiting) continue;
       // A merge that was taken back just now leaves two worlds where there was one.
-      const int source = graph_.world_of(closure->source_map), target = graph_.world_of(closure->target_map);
+      const int source = worlds_.graph.world_of(closure->source_map), target = worlds_.graph.world_of(closure->target_map);
       if (source == target) {
         use(*closure);
         return true;
       }
-      try_to_merge(source, target);
+      if (auto merge = merger_.try_to_merge(source, target)) file(std::move(*merge));
     }
     return false;
   };
@@ -143,12 +144,12 @@ Closure* Mapper::examine(const View& view, const PlaceCandidate& candidate) {
   registration::Verification verdict = registration::verify(view.loaded->prepared, (*loaded)->prepared, starts,
                                                             candidate.prior, config_.verification);
   Closure closure;
-  closure.id = static_cast<int>(closures_.size());
+  closure.id = static_cast<int>(worlds_.closures.size());
   closure.source = view.record.id;
   closure.target = target.id;
   closure.source_map = view.record.map_id;
   closure.target_map = target.map_id;
-  closure.time = now_;
+  closure.time = worlds_.now;
   closure.origin = candidate.origin;
   closure.state = verdict.accepted ? ClosureState::kWaiting : ClosureState::kRefused;
   closure.score = candidate.score;
@@ -171,18 +172,103 @@ Closure* Mapper::examine(const View& view, const PlaceCandidate& candidate) {
     const Matrix6d least = covariance_of(config_.loop.confirmed_within_deg, config_.loop.confirmed_within);
     closure.news = apart.dot(registration::compared_information(fit.information / kChance, least) * apart);
   }
-  if (verdict.refused_by_prior && !merges_between(closure).empty()) {
+  if (verdict.refused_by_prior && !merger_.merges_between(closure).empty()) {
     // Where it should be follows from a merge, which may be the one that is wrong.
     closure.contradicts = registration::verify(view.loaded->prepared, (*loaded)->prepared, {&fit.T_target_source, 1},
                                                std::nullopt, config_.verification).accepted;
   }
   times_.verify += stopwatch.lap_ms();
-  closures_.push_back(std::move(closure));
-  return &closures_.back();
+  worlds_.closures.push_back(std::move(closure));
+  return &worlds_.closures.back();
+}
+
+bool Mapper::needs_ties(int map_a, int map_b) const {
+  if (map_a == map_b) return false;
+  const auto ties = std::count_if(worlds_.closures.begin(), worlds_.closures.end(), [&](const Closure& closure) {
+    return closure.state == ClosureState::kCounts &&
+           std::minmax(closure.source_map, closure.target_map) == std::minmax(map_a, map_b);
+  });
+  return ties < config_.merge.num_enhancing;
+}
+
+void Mapper::use(Closure& closure) {
+  const bool ties_maps = needs_ties(closure.source_map, closure.target_map);
+  const bool is_bridged = worlds_.graph.is_bridged(closure.source, closure.target);
+  const bool is_known = closure.moved >= 0.0 && closure.news <= 1.0;
+  if (!ties_maps && (is_known || !is_bridged)) quiet_until_ = worlds_.graph.odometer(closure.source) + config_.loop.pause;
+  if (!ties_maps && is_known) {
+    closure.state = ClosureState::kConfirmed;
+    // What the IMU alone carried is known no better by the odometry: another closure must not move it unasked.
+    if (is_bridged) worlds_.graph.hold(closure, covariance_of(config_.loop.confirmed_within_deg, config_.loop.confirmed_within));
+    return;
+  }
+  // The map may have been found again in the wrong place; but one closure that says so may be wrong as well.
+  Closure* fellow = is_bridged ? fellow_of(closure) : nullptr;
+  if (is_bridged && !ties_maps && !fellow) return;
+  MapGraph before = worlds_.graph;
+  for (Closure* one : {&closure, fellow}) {
+    if (!one) continue;
+    one->state = ClosureState::kCounts;
+    worlds_.graph.add_closure(*one);
+  }
+  if (worlds_.solve(std::move(before))) return;
+  closure.state = ClosureState::kRejected;
+  if (fellow) fellow->state = ClosureState::kRejected;
+}
+
+Closure* Mapper::fellow_of(const Closure& closure) {
+  const int world = worlds_.graph.world_of(closure.source_map);
+  const Placement placement = worlds_.placement_of(closure, true);
+  const auto found = std::find_if(worlds_.closures.begin(), worlds_.closures.end(), [&](const Closure& other) {
+    return other.state == ClosureState::kWaiting && other.id != closure.id && other.target != closure.target &&
+           other.source != closure.source && worlds_.graph.world_of(other.source_map) == world &&
+           worlds_.graph.world_of(other.target_map) == world && !worlds_.graph.is_bridged(other.source, closure.source) &&
+           agree(worlds_.placement_of(other, true), placement, config_.merge);
+  });
+  return found == worlds_.closures.end() ? nullptr : &*found;
+}
+
+void Mapper::file(Merge merge) {
+  enhance(merge);
+  log::info("map {} is joined to map {} by {} closures", merge.world, merge.into, merge.closures.size() + merge.enhancing.size());
+  worlds_.merges.push_back(std::move(merge));
+}
+
+void Mapper::enhance(Merge& merge) {
+  const auto was_in = [&](int map) {
+    return std::find(merge.into_maps.begin(), merge.into_maps.end(), map) != merge.into_maps.end();
+  };
+  const MapGraph before = worlds_.graph;
+  bool added = false;
+  for (std::size_t index = 0; index < library_.records().size(); ++index) {
+    const SubmapRecord record = library_.records()[index];
+    const bool is_source = std::any_of(merge.closures.begin(), merge.closures.end(), [&](int id) {
+      return worlds_.closure(id).source == record.id;
+    });
+    if (is_source || was_in(record.map_id) || worlds_.graph.world_of(record.map_id) != merge.into) continue;
+    if (static_cast<int>(merge.enhancing.size()) >= config_.merge.num_enhancing) break;
+    const auto loaded = library_.load(index);
+    if (!loaded) continue;
+    for (const PlaceCandidate& candidate : finder_.predicted(record, (*loaded)->submap)) {
+      if (!was_in(library_.records()[candidate.index].map_id)) continue;
+      Closure* closure = examine({record, *loaded}, candidate);
+      if (!closure || closure->state != ClosureState::kWaiting) continue;
+      closure->state = ClosureState::kCounts;
+      worlds_.graph.add_closure(*closure);
+      merge.enhancing.push_back(closure->id);
+      added = true;
+      break;
+    }
+  }
+  if (added && !worlds_.solve(before)) {
+    for (const int id : merge.enhancing) worlds_.closure(id).state = ClosureState::kRejected;
+    merge.enhancing.clear();
+  }
 }
 
 MapperTimes Mapper::times() const {
   MapperTimes times = times_;
+  times.optimize = worlds_.optimize_ms;
   times.describe = finder_.times().describe_ms;
   times.recognise = finder_.times().query_ms;
   times.search = finder_.times().search_ms;

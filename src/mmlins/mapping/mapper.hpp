@@ -7,8 +7,8 @@
 
 #include "mmlins/keyframe/submap_cutter.hpp"
 #include "mmlins/mapping/back_end_mapper.hpp"
-#include "mmlins/mapping/consistency.hpp"
 #include "mmlins/mapping/place_finder.hpp"
+#include "mmlins/mapping/world_merger.hpp"
 
 namespace mmlins::mapping {
 
@@ -22,11 +22,11 @@ class Mapper final : public BackEndMapper {
   void bridge(const math::Matrix6d& covariance) override;
   void end_map() override;
 
-  [[nodiscard]] const MapGraph& map_graph() const override { return graph_; }
+  [[nodiscard]] const MapGraph& map_graph() const override { return worlds_.graph; }
   [[nodiscard]] const std::vector<SubmapRecord>& submaps() const override { return library_.records(); }
-  [[nodiscard]] const std::vector<Closure>& closures() const override { return closures_; }
-  [[nodiscard]] const std::vector<Merge>& merges() const override { return merges_; }
-  [[nodiscard]] int revision() const override { return revision_; }
+  [[nodiscard]] const std::vector<Closure>& closures() const override { return worlds_.closures; }
+  [[nodiscard]] const std::vector<Merge>& merges() const override { return worlds_.merges; }
+  [[nodiscard]] int revision() const override { return worlds_.revision; }
   [[nodiscard]] MapperTimes times() const override;
 
  private:
@@ -48,35 +48,17 @@ class Mapper final : public BackEndMapper {
   void use(Closure& closure);
   /// Another closure that puts the robot where this one does, after a stretch that the IMU alone carried.
   [[nodiscard]] Closure* fellow_of(const Closure& closure);
-  /// @return false if the graph is better without what was added since `before`; then it is as it was
-  bool solve(MapGraph before);
-  void try_to_merge(int world_a, int world_b);
-  [[nodiscard]] Placement placement_of(const Closure& closure, bool source_moves) const;
-  [[nodiscard]] Placement placement_of(const Closure& closure, int world) const {
-    return placement_of(closure, graph_.world_of(closure.source_map) == world);
-  }
-  /// Whether the graph, by gaps too, has the two keyframes about where the closure says.
-  [[nodiscard]] bool is_as_predicted(const Closure& closure) const;
-  /// Closures of two worlds that lie as `like` has them, but see through each other's walls.
-  [[nodiscard]] int num_seen_through(int into, int world, const Placement& like) const;
-  /// Merges that have stood so far and put the one end of this closure into the frame of the other.
-  [[nodiscard]] std::vector<int> merges_between(const Closure& closure) const;
-  /// Whether the merge would be made again, by all that is known now; otherwise it is taken back.
-  void review(int merge_id);
-  void dissolve(int merge_id, const std::string& why);
-  [[nodiscard]] bool commit(Merge merge);
+  /// Ties the maps of a merge by further closures, and files it.
+  void file(Merge merge);
   void enhance(Merge& merge);
 
   MappingConfig config_;
-  MapGraph graph_;
+  Worlds worlds_;
+  WorldMerger merger_;
   SubmapLibrary library_;
   PlaceFinder finder_;
   keyframe::SubmapCutter cutter_;
-  std::vector<Closure> closures_;
-  std::vector<Merge> merges_;
   MapperTimes times_;
-  Time now_;
-  int revision_ = 0;
   int latest_map_ = -1;
   std::size_t num_probes_ = 0;  ///< of the latest map
   double map_begins_at_ = 0.0;  ///< odometer [m]
