@@ -21,6 +21,7 @@ Evidence usual_scan(double seconds) {
   evidence.median_range = 8.0;
   evidence.matched = true;
   evidence.explained = 0.6;
+  evidence.residual_rms = 0.015;
   evidence.return_chi2 = 6.0;
   return evidence;
 }
@@ -148,6 +149,18 @@ TEST(TrustJudge, BelievesAShrunkenScanThatTheMapExplains) {
   evidence.median_range = 1.0;
   evidence.num_points = 500;
   expect_believed(experienced(), evidence);
+}
+
+TEST(TrustJudge, RefusesAReturnWhoseResidualsAreFarLargerThanUsual) {
+  const TrustConfig config;
+  Evidence rough = usual_scan(10.0);
+  rough.residual_rms = 0.015 * 0.9 * config.max_return_residual;
+  expect_believed(experienced(), rough);
+  rough.residual_rms = 0.015 * 1.1 * config.max_return_residual;
+  expect_refused(experienced(), rough, Cause::kTooFewMatches);
+  // Who drives from a hall into a wood is not absent.
+  rough.time = at(3.1);
+  expect_believed(experienced(), rough);
 }
 
 TEST(TrustJudge, AsksForMoreAfterAContradictionByTheImu) {

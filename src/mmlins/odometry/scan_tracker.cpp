@@ -260,6 +260,7 @@ Verdict ScanTracker::judge(const Match& match, const Motion& carried, const sens
                     result.median_range,
                     match.has_update,
                     result.explained,
+                    result.residual_rms,
                     drift().position,
                     0.0,
                     false,

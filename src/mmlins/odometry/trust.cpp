@@ -23,6 +23,8 @@ Fields TrustConfig::fields() {
       field("max_return_chi2", max_return_chi2, "", {1.0, 1e6},
             "after an absence: largest squared distance of the pose from the IMU's, in its standard "
             "deviations"),
+      field("max_return_residual", max_return_residual, "", {1.0, 1000.0},
+            "after an absence: residuals larger than this many times the usual are no match, whatever share they are of"),
       field("collapsed_range", collapsed_range, "", {0.0, 1.0},
             "an unexplained scan whose median range is below this share of the usual is blocked"),
       field("collapsed_count", collapsed_count, "", {0.0, 1.0}, "the same for its number of points"),
@@ -85,6 +87,10 @@ Cause TrustJudge::reason_to_refuse(const Evidence& evidence) const {
   const double share = was_contradicted_ ? config_.min_explained_again : config_.min_explained;
   const auto usual = explained_.median();
   if (usual && evidence.explained < share * *usual) return unexplained;
+  const auto usual_residual = residual_.median();
+  if (is_absent(evidence) && usual_residual && evidence.residual_rms > config_.max_return_residual * *usual_residual) {
+    return unexplained;
+  }
   if (is_absent(evidence) && evidence.return_chi2 > config_.max_return_chi2) return Cause::kImuDisagrees;
   if (evidence.ambiguous) return Cause::kAmbiguous;
   if (evidence.imu_disagrees) return Cause::kImuDisagrees;
@@ -107,6 +113,7 @@ Verdict TrustJudge::judge(const Evidence& evidence) {
 void TrustJudge::learn(const Evidence& evidence) {
   const Duration window = from_seconds(config_.usual_window);
   explained_.push(evidence.time, evidence.explained, window);
+  residual_.push(evidence.time, evidence.residual_rms, window);
   range_.push(evidence.time, evidence.median_range, window);
   count_.push(evidence.time, evidence.num_points, window);
   last_trusted_ = evidence.time;

@@ -22,6 +22,7 @@ struct TrustConfig {
   double short_absence = 0.5;
   double doubtful_drift = 0.3;
   double max_return_chi2 = 30.0;
+  double max_return_residual = 5.0;
   double collapsed_range = 0.5;
   double collapsed_count = 0.1;
   double agreement_window = 1.0;
@@ -51,6 +52,7 @@ struct Evidence {
   double median_range = 0.0;  ///< [m]
   bool matched = false;       ///< enough matches for an update
   double explained = 0.0;     ///< share of the keypoints that match
+  double residual_rms = 0.0;  ///< of those that do, point to plane [m]
   double drift = 0.0;         ///< standard deviation of the predicted position since it was last believed [m]
   double return_chi2 = 0.0;   ///< shift of the update against the prediction's own doubt
   bool imu_disagrees = false;  ///< over the last while, MotionAgreement
@@ -84,6 +86,7 @@ class TrustJudge {
 
   TrustConfig config_;
   RunningMedian explained_;
+  RunningMedian residual_;
   RunningMedian range_;
   RunningMedian count_;
   std::optional<Time> last_trusted_;
