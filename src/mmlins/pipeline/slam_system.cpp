@@ -73,6 +73,9 @@ class Runner {
   void hand_on(keyframe::Keyframe keyframe, const imu::Estimate& estimate);
   /// The IMU alone has carried the pose since the last scan that was placed.
   void hand_on_bridge(const math::Matrix6d& covariance);
+  [[nodiscard]] bool is_far_carried(const math::Matrix6d& covariance) const;
+  /// Hands on what was seen since the last keyframe.
+  void finish_keyframe();
   /// Waits for the back end, and puts everything where it lies in the end.
   void settle();
 
@@ -155,7 +158,7 @@ void Runner::record(const odometry::ScanResult& result) {
 
 void Runner::begin_map(const odometry::MapRecord& map) {
   if (latest_map_ >= 0) {
-    if (auto last = builder_.finish()) hand_on(std::move(*last), last_placed_);
+    finish_keyframe();
     back_end_.add(EndOfMap{odometry_.maps()[static_cast<std::size_t>(latest_map_)]});
   }
   latest_map_ = map.id;
@@ -169,6 +172,8 @@ void Runner::hand_on(const odometry::ScanResult& result, const math::SE3& T_map_
   while (latest_map_ < result.map_id) begin_map(odometry_.maps()[static_cast<std::size_t>(latest_map_ + 1)]);
   if (!odometry::is_placed(result.state)) {
     bridged_ = pose_covariance(result.estimate);
+    // What was seen until now is handed on at once: it may be long before there is more.
+    if (is_far_carried(*bridged_)) finish_keyframe();
     return;
   }
   if (const auto bridged = std::exchange(bridged_, std::nullopt)) hand_on_bridge(*bridged);
@@ -184,11 +189,18 @@ void Runner::hand_on(const odometry::ScanResult& result, const math::SE3& T_map_
 }
 
 void Runner::hand_on_bridge(const math::Matrix6d& covariance) {
-  // What the IMU carries as well as registration tells is no worse than odometry.
-  const double deviation = std::sqrt(covariance.bottomRightCorner<3, 3>().trace());
-  if (deviation < config_.mapping.loop.confirmed_within) return;
-  if (auto last = builder_.finish()) hand_on(std::move(*last), last_placed_);
+  if (!is_far_carried(covariance)) return;
+  finish_keyframe();
   back_end_.add(Bridge{covariance});
+}
+
+bool Runner::is_far_carried(const math::Matrix6d& covariance) const {
+  // What the IMU carries as well as registration tells is no worse than odometry.
+  return std::sqrt(covariance.bottomRightCorner<3, 3>().trace()) >= config_.mapping.loop.confirmed_within;
+}
+
+void Runner::finish_keyframe() {
+  if (auto last = builder_.finish()) hand_on(std::move(*last), last_placed_);
 }
 
 void Runner::hand_on(keyframe::Keyframe keyframe, const imu::Estimate& estimate) {
@@ -197,7 +209,7 @@ void Runner::hand_on(keyframe::Keyframe keyframe, const imu::Estimate& estimate)
 }
 
 void Runner::settle() {
-  if (auto last = builder_.finish()) hand_on(std::move(*last), last_placed_);
+  finish_keyframe();
   if (latest_map_ >= 0) back_end_.add(EndOfMap{odometry_.maps()[static_cast<std::size_t>(latest_map_)]});
   back_end_.finish();
   const mapping::BackEndMapper& mapper = back_end_.mapper();
