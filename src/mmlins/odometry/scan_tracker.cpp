@@ -56,6 +56,13 @@ double return_chi2(const imu::Estimate& updated, const imu::Estimate& predicted,
   return degeneracy::innovation_chi2(imu::minus(updated.state, predicted.state).head<6>(), P, H);
 }
 
+ScanResult result_of(const std::shared_ptr<const sensor::LidarScan>& scan) {
+  ScanResult result;
+  result.time = scan->end_time;
+  result.scan = scan;
+  return result;
+}
+
 void set_state(ScanResult& result, const Verdict& verdict, bool has_imu_gap) {
   result.cause = verdict.cause;
   if (!verdict.trusted) {
@@ -91,9 +98,7 @@ ScanTracker::ScanTracker(const OdometryConfig& config, const sensor::Rig& rig, c
       leaf_(0.5 * (config.scan.min_leaf + config.scan.max_leaf)) {}
 
 ScanResult ScanTracker::track(std::shared_ptr<const sensor::LidarScan> scan, const sensor::ImuBuffer& imu) {
-  ScanResult result;
-  result.time = scan->end_time;
-  result.scan = scan;
+  ScanResult result = result_of(scan);
   Stopwatch stopwatch;
 
   // 1. Where did the IMU say we went while the LiDAR was sweeping?
@@ -154,9 +159,7 @@ ScanResult ScanTracker::track(std::shared_ptr<const sensor::LidarScan> scan, con
 
 ScanResult ScanTracker::carry(std::shared_ptr<const sensor::LidarScan> scan, const sensor::ImuBuffer& imu,
                               Cause cause) {
-  ScanResult result;
-  result.time = scan->end_time;
-  result.scan = scan;
+  ScanResult result = result_of(scan);
   Stopwatch stopwatch;
   const Motion motion = propagate_to(estimate_, scan->end_time, imu);
   result.times.propagate = stopwatch.lap_ms();
