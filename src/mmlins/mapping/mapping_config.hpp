@@ -65,7 +65,7 @@ enum class FusionKind { kDefault, kPaper, kSingle, kOff };
 
 struct MappingConfig {
   bool enabled = true;
-  int memory_mb = 256;
+  int memory_mb = 128;
   FusionKind fusion = FusionKind::kDefault;
   keyframe::KeyframeConfig keyframe;
   keyframe::SubmapConfig submap;
