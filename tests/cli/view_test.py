@@ -244,7 +244,7 @@ class Browser(unittest.TestCase):
         """Width, height and RGBA bytes of what is drawn."""
         return page.evaluate("""() => {
             const source = mmlins.stage.renderer.domElement, canvas = document.createElement('canvas');
-            mmlins.stage.render(1e7);
+            mmlins.stage.render(1e7, true);
             canvas.width = 200; canvas.height = 150;
             const context = canvas.getContext('2d');
             context.drawImage(source, 0, 0, 200, 150);

@@ -6,7 +6,7 @@ import type { Labels } from './measure';
 import type { Stage } from './stage';
 
 export function takeScreenshot(stage: Stage, labels: Labels, theme: Theme, name: string, t: number): void {
-  stage.render(8e6); // the drawing buffer is only kept until this task ends
+  stage.render(8e6, true); // the drawing buffer is only kept until this task ends
   const source = stage.renderer.domElement;
   const canvas = document.createElement('canvas');
   canvas.width = source.width;

@@ -36,6 +36,9 @@ export class Stage {
   private readonly screen: THREE.ShaderMaterial;
   private readonly screenScene = new THREE.Scene();
   private readonly screenCamera = new THREE.Camera();
+  /** Share of the resolution, at present and while things move: less where even few points take too long. */
+  private scale = 1;
+  private movingScale = 1;
   private isDirty = true;
   private isStale = false;
   private lastPicture = 0;
@@ -63,7 +66,10 @@ export class Stage {
     this.target = new THREE.WebGLRenderTarget(4, 4, { minFilter: THREE.NearestFilter, magFilter: THREE.NearestFilter });
     this.target.depthTexture = new THREE.DepthTexture(4, 4, THREE.FloatType);
     this.screen = this.makeScreen();
-    if (this.isSoftware) this.budget = 2e5;
+    if (this.isSoftware) {
+      this.budget = 1e5;
+      this.movingScale = 0.5;
+    }
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
     Object.assign(this.controls, { enableDamping: true, dampingFactor: 0.12, zoomToCursor: true, maxPolarAngle: Math.PI * 0.98, zoomSpeed: 1.3 });
@@ -153,7 +159,9 @@ export class Stage {
     return { x: (0.5 + 0.5 * v.x) * clientWidth, y: (0.5 - 0.5 * v.y) * clientHeight };
   }
 
-  render(budget: number): void {
+  /** @param isFine  in full resolution, whatever moves */
+  render(budget: number, isFine = false): void {
+    if (isFine) this.setScale(1);
     const distance = this.camera.position.distanceTo(this.controls.target);
     this.camera.near = Math.max(0.05, Math.min(0.02 * distance, 2));
     this.camera.far = 4 * (distance + this.extent) + 200;
@@ -190,6 +198,7 @@ export class Stage {
       return;
     }
     this.isDirty = this.isStale = false;
+    this.setScale(refine ? 1 : isMoving ? this.movingScale : this.scale);
     const begun = performance.now();
     this.render(refine ? Math.max(4 * this.budget, restBudget) : this.budget);
     this.lastCost = performance.now() - begun;
@@ -203,6 +212,7 @@ export class Stage {
     if (this.lastFrame <= 0) return;
     const took = now - this.lastFrame;
     this.framesPerSecond = this.framesPerSecond * 0.8 + 0.2 * (1000 / Math.max(took, 1));
+    if (took > 1.3 * wantedMs && this.budget < 6e4) this.movingScale = 0.5;
     if (took > 1.3 * wantedMs) this.budget = Math.max(5e4, this.budget * 0.85);
     else if (took < 0.8 * wantedMs) this.budget = Math.min(8e6, this.budget * 1.05);
   }
@@ -217,17 +227,24 @@ export class Stage {
     this.moved();
   }
 
+  private setScale(scale: number): void {
+    if (scale === this.scale) return;
+    this.scale = scale;
+    this.resize();
+    this.isDirty = false; // the picture follows at once
+  }
+
   private resize(): void {
     const { clientWidth: w, clientHeight: h } = this.holder;
     if (w === 0 || h === 0) return;
-    const ratio = Math.min(window.devicePixelRatio, 2);
+    const ratio = Math.min(window.devicePixelRatio, 2) * this.scale;
     this.renderer.setPixelRatio(ratio);
     this.renderer.setSize(w, h);
     this.target.setSize(Math.round(w * ratio), Math.round(h * ratio));
     this.camera.aspect = w / h;
     this.camera.updateProjectionMatrix();
     this.screen.uniforms.pixel.value.set(1 / (w * ratio), 1 / (h * ratio));
-    this.screen.uniforms.reach.value = 1.2 * ratio;
+    this.screen.uniforms.reach.value = Math.max(1, 1.2 * ratio);
     this.invalidate();
   }
 
