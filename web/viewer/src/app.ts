@@ -40,6 +40,8 @@ export class App {
   private looks = '';
   private rangeFrom = 0;
   private isCutChosen = false;
+  private loadText = '';
+  private loadTold = 0;
 
   constructor() {
     this.cloud = new Cloud(this.poses, () => this.stage.invalidateSoon());
@@ -256,7 +258,11 @@ export class App {
     const distance = this.stage.camera.position.distanceTo(this.stage.controls.target);
     this.lines.robot.scale.setScalar(Math.max(0.8, 0.035 * distance));
     this.cloud.choose({ camera: this.stage.camera, height: this.stage.height, budget, shownRows: this.rowsUntil(this.timeline.t) });
-    byId('load').textContent = `${many(this.cloud.drawn)} of ${many(this.cloud.numPoints)} points drawn${this.cloud.isComplete ? '' : ', loading'}`;
+    const load = `${many(this.cloud.drawn)} of ${many(this.cloud.numPoints)} points drawn${this.cloud.isComplete ? '' : ', loading'}`;
+    if (load !== this.loadText && performance.now() - this.loadTold > 200) {
+      byId('load').textContent = this.loadText = load;
+      this.loadTold = performance.now();
+    }
   }
 
   private rowsUntil(t: number): number {
