@@ -212,7 +212,10 @@ ScanTracker::Match ScanTracker::match(const Prepared& prepared, const imu::Estim
   LidarMeasurement measurement(prepared.keypoints.points, map, config_.matching, noise);
   // Who returns from afar has a long way to the right place, and half of it would be believed as firmly.
   const bool from_afar = !trial_ && is_far_off(prior);
-  const auto found = from_afar ? search_return(prepared.keypoints, prior, map, config_.matching, noise) : std::nullopt;
+  // What is covered is refused anyway.
+  const bool searches = from_afar && !judge_.has_collapsed({prior.state.time, static_cast<int>(prepared.cloud_imu->size()),
+                                                            median_range(*prepared.cloud_imu)});
+  const auto found = searches ? search_return(prepared.keypoints, prior, map, config_.matching, noise) : std::nullopt;
   const int max_iterations = config_.matching.max_iterations * (from_afar ? kPatienceFromAfar : 1);
   // What the scan determines is settled once, where the IMU predicts the pose: it must not flicker from
   // iteration to iteration.
