@@ -27,8 +27,7 @@ class ScanTracker {
 
   /// Propagate, straighten, match, correct, grow the map. A match that is not to be believed changes nothing:
   /// the IMU carries the pose on, and every later scan tries again to return into the map. A return from
-  /// where the pose was in doubt is on trial for a while (RELOCATING): if the map does not explain what is
-  /// seen next, it is taken back.
+  /// where the pose was in doubt is on trial for a while (RELOCATING), while the IMU goes on carrying it.
   /// @param scan  must end later than the current state
   /// @param imu   must hold samples from needs_imu_since() to the end of the scan
   [[nodiscard]] ScanResult track(std::shared_ptr<const sensor::LidarScan> scan, const sensor::ImuBuffer& imu);
