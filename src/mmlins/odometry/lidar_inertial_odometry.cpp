@@ -111,7 +111,7 @@ void LidarInertialOdometry::look_for_a_way_on(const ScanPointer& scan, const imu
     restart_.reset();
     return;
   }
-  if (!unexplained_since_ || result.state == TrackingState::kRelocating) unexplained_since_ = result.time;
+  if (!unexplained_since_ || returning) unexplained_since_ = result.time;
   try_new_map(scan, before, collapsed, result);
 }
 
