@@ -66,7 +66,16 @@ def judged(run: Run, truth: Track) -> dict:
         "false_closures": false_closures(run, truth, USED),
         "false_waiting": len(false_closures(run, truth, ("waiting",))),
         "wall_s": summary["wall_s"], "peak_mib": summary["peak_memory_mib"],
-        "back_end_s": mapping.get("seconds", {}), "keyframes": mapping.get("keyframes", 0)}
+        "back_end_s": mapping.get("seconds", {}), "keyframes": mapping.get("keyframes", 0), "work_s": work_of(summary)}
+
+
+def work_of(summary: dict) -> dict:
+    """Seconds of work: all of it, and what of it went into detection, initialisation and fusion."""
+    stages, scans, mapping = summary["stages"], summary["scans"], summary.get("mapping", {})
+    back_end = sum(mapping.get("seconds", {}).values())
+    seconds = {name: 1e-3 * scans * stages[name]["mean_ms"] for name in ("total", "health", "start")}
+    return {"all": seconds["total"] + back_end, "detection": seconds["health"], "initialisation": seconds["start"],
+            "fusion": mapping.get("seconds_between_maps", 0.0)}
 
 
 def ates(run: Run, truth: Track) -> dict:
@@ -130,6 +139,13 @@ def is_close(merge: dict) -> bool:
 def back_end_share(figures: dict) -> str:
     """Of the time that the recording took."""
     return f"{100.0 * sum(figures['back_end_s'].values()) / figures['duration_s']:.1f} %" if figures["back_end_s"] else ""
+
+
+def work_shares(chosen: list[dict]) -> str:
+    """Of all work, in percent: detection / initialisation / fusion."""
+    total = sum(f["work_s"]["all"] for f in chosen)
+    return " / ".join(f"{100.0 * sum(f['work_s'][name] for f in chosen) / total:.1f}"
+                      for name in ("detection", "initialisation", "fusion"))
 
 
 def good(figures: list[dict]) -> list[dict]:

@@ -4,7 +4,8 @@ import pathlib
 
 from degeneracy.bench import Item, Section, Wanted, all_figures as figures_in, catalogue_text, group_of
 from degeneracy.health import percent
-from mapping_measures.common import back_end_share, failures, good, is_close, is_worse, line, median, worst_merge
+from mapping_measures.common import (back_end_share, failures, good, is_close, is_worse, line, median, work_shares,
+                                     worst_merge)
 from mapping_measures.loops import measure, seed_settings, twin_ates
 from measure_scenarios import SCENARIOS, fingerprint, metres, twin_of
 
@@ -27,7 +28,7 @@ def item_of(name: str, seed: int, method: str) -> Item:
 def table(all_figures: list[dict], cache: pathlib.Path) -> list[str]:
     chosen = good(all_figures)
     twins = twin_ates(cache, figures_in)
-    lines = [summary_head(), "|" + "---|" * 12]
+    lines = [summary_head(), "|" + "---|" * 13]
     for key in sorted({(f["group"], f["method"]) for f in chosen}):
         lines.append(summary_row(f"{key[0]} | {key[1]}", [f for f in chosen if (f["group"], f["method"]) == key], twins))
     lines += ["", "| scenario, seed | method | maps / worlds | merges: true / false / missed | worst merge [m / deg] | "
@@ -39,7 +40,7 @@ def table(all_figures: list[dict], cache: pathlib.Path) -> list[str]:
 def summary_head() -> str:
     return ("| set | method | runs | merges: true / false / missed | found | within 0.1 m and 0.3 deg | "
             "transform error, median [m / deg] | end to end within 0.05 m | placed ATE within 1.2 times that without "
-            "events | ATE, median [m] | of odometry.tum | worse than odometry.tum |")
+            "events | ATE, median [m] | of odometry.tum | worse than odometry.tum | detection / initialisation / fusion, of all work [%] |")
 
 
 def counts(chosen: list[dict]) -> tuple[int, int, int]:
@@ -57,7 +58,7 @@ def summary_row(head: str, chosen: list[dict], twins: dict) -> str:
             f"{percent(sum(map(is_close, merges)), len(merges))} | {errors} | "
             f"{percent(sum(f['end_m'] <= END for f in chosen), len(chosen))} | {percent(good_as_twin, len(with_twin))} | "
             f"{metres(median([f['ate_m']['trajectory'] for f in chosen]))} | "
-            f"{metres(median([f['ate_m']['odometry'] for f in chosen]))} | {sum(map(is_worse, chosen))} |")
+            f"{metres(median([f['ate_m']['odometry'] for f in chosen]))} | {sum(map(is_worse, chosen))} | {work_shares(chosen)} |")
 
 
 def key_of(f: dict) -> tuple[str, int]:

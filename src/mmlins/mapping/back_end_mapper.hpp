@@ -22,6 +22,7 @@ struct MapperTimes {
   double search = 0.0;
   double verify = 0.0;
   double optimize = 0.0;
+  double fusion = 0.0;  ///< of these: on candidates in other worlds, and on joining them
 
   [[nodiscard]] double total() const { return submaps + describe + recognise + search + verify + optimize; }
 };

@@ -109,7 +109,9 @@ void Mapper::find_known_places(const View& view, const place::PlaceDescriptor& d
       const int world = worlds_.graph.world_of(view.record.map_id);
       if (target_world == world ? is_quiet : !may_join) continue;
       examined.push_back(candidate.index);
+      Stopwatch stopwatch;
       Closure* closure = examine(view, candidate);
+      if (target_world != world) times_.fusion += stopwatch.lap_ms();
       if (!closure) continue;
       if (closure->state == ClosureState::kRefused) {
         for (const int merge : merger_.merges_between(*closure)) merger_.review(merge);
@@ -122,6 +124,7 @@ void Mapper::find_known_places(const View& view, const place::PlaceDescriptor& d
         return true;
       }
       if (auto merge = merger_.try_to_merge(source, target)) file(std::move(*merge));
+      times_.fusion += stopwatch.lap_ms();
     }
     return false;
   };

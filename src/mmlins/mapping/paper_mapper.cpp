@@ -117,10 +117,13 @@ void PaperMapper::detect_similarity(int keyframe, const place::ScanContext& cont
     best_map = map;
     best_pairs = std::move(pairs);
   }
-  times_.recognise += stopwatch.lap_ms();
+  const double search_ms = stopwatch.lap_ms();
+  times_.recognise += search_ms;
+  times_.fusion += search_ms;
   if (best_map < 0) return;
   best_pairs.resize(static_cast<std::size_t>(config_.num_constraints));
   if (fuse(best_map, best_pairs)) quiet_until_ = keyframe + config_.loop_every;
+  times_.fusion += stopwatch.lap_ms();
   // Whether it worked or not, what was counted has been used.
   runs_.clear();
 }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "mmlins/base/log.hpp"
+#include "mmlins/base/stopwatch.hpp"
 
 namespace mmlins::odometry {
 namespace {
@@ -117,6 +118,7 @@ void LidarInertialOdometry::look_for_a_way_on(const ScanPointer& scan, const imu
 
 bool LidarInertialOdometry::try_new_map(const ScanPointer& scan, const imu::Estimate& before, bool collapsed,
                                         ScanResult& result) {
+  Stopwatch stopwatch;
   const bool returning = result.state == TrackingState::kRelocating;
   if (!restart_) {
     const bool distrusts_imu = imu_was_silent_ || (asleep_ && num_failed_trials_ >= kMaxCarriedTrials);
@@ -125,6 +127,7 @@ bool LidarInertialOdometry::try_new_map(const ScanPointer& scan, const imu::Esti
                                          distrusts_imu ? Restart::Prior::kNone : Restart::Prior::kCarried);
   }
   const Restart::Progress progress = restart_->add(scan, imu_, collapsed);
+  result.times.start += stopwatch.lap_ms();
   if (progress == Restart::Progress::kFailed) {
     if (asleep_) ++num_failed_trials_;
     restart_.reset();
@@ -201,7 +204,9 @@ std::vector<ScanResult> LidarInertialOdometry::finish() {
   OdometryConfig patient = config_;
   patient.start.rest_window = 0.0;
   patient.start.motion_window = 0.0;
+  Stopwatch stopwatch;
   const std::unique_ptr<Start> start = find_start(patient, rig_, waiting_, imu_);
+  start_ms_ += stopwatch.lap_ms();
   const bool accepted = start->acceptance.accepted();
   if (!accepted) refuse_start(*start);
   std::vector<ScanResult> results = begin_with(std::move(*start));
@@ -220,7 +225,9 @@ std::vector<ScanResult> LidarInertialOdometry::try_to_start(const OdometryConfig
   const double window = to_seconds(now - waiting_.front()->start_time);
   if (window < std::min(config.start.rest_window, config.start.motion_window)) return {};
   if (next_attempt_ && now < *next_attempt_) return {};
+  Stopwatch stopwatch;
   std::unique_ptr<Start> start = find_start(config, rig_, waiting_, imu_);
+  start_ms_ += stopwatch.lap_ms();
   if (!start) return {};
   if (start->acceptance.accepted()) return begin_with(std::move(*start));
   refuse_start(*start);
@@ -252,6 +259,10 @@ std::vector<ScanResult> LidarInertialOdometry::begin_with(Start start) {
   maps_.push_back({0, start.at_rest ? MapBeginning::kAtRest : MapBeginning::kInMotion, start.results.front().time,
                    start.results.back().time, Cause::kNone, std::nullopt, {}});
   std::move(start.results.begin(), start.results.end(), std::back_inserter(results));
+  // The results of the start tell of a part of that time themselves.
+  double told = 0.0;
+  for (const ScanResult& result : results) told += result.times.total();
+  results.back().times.start += std::max(0.0, std::exchange(start_ms_, 0.0) - told);
   tracker_ = std::move(start.tracker);
   tracker_->begin_to_doubt();
   waiting_.clear();

@@ -47,8 +47,9 @@ struct StageTimes {
   double update = 0.0;
   double health = 0.0;
   double insert = 0.0;
+  double start = 0.0;  ///< the search for a start since the result before, and new maps on trial
 
-  [[nodiscard]] double total() const { return propagate + deskew + downsample + update + health + insert; }
+  [[nodiscard]] double total() const { return propagate + deskew + downsample + update + health + insert + start; }
 };
 
 /// What the scan alone says about the pose: d^T H d + 2 b^T d + const around `T_odom_imu`, with

@@ -18,28 +18,13 @@
 #include "mmlins/graph/g2o.hpp"
 #include "mmlins/io/pcd_file.hpp"
 #include "mmlins/pipeline/mapping_files.hpp"
+#include "mmlins/pipeline/scan_stages.hpp"
 
 namespace mmlins::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
-using odometry::StageTimes;
-
-struct Stage {
-  const char* name;
-  double (*of)(const ScanRecord&);
-};
-constexpr std::array<Stage, 8> kStages{{
-    {"read", [](const ScanRecord& r) { return r.read_ms; }},
-    {"propagate", [](const ScanRecord& r) { return r.times.propagate; }},
-    {"deskew", [](const ScanRecord& r) { return r.times.deskew; }},
-    {"downsample", [](const ScanRecord& r) { return r.times.downsample; }},
-    {"update", [](const ScanRecord& r) { return r.times.update; }},
-    {"health", [](const ScanRecord& r) { return r.times.health; }},
-    {"insert", [](const ScanRecord& r) { return r.times.insert; }},
-    {"total", [](const ScanRecord& r) { return r.total_ms(); }},
-}};
 
 std::string health_csv(const RunResult& result) {
   std::string text =
@@ -131,6 +116,7 @@ ordered_json mapping_json(const RunResult& result) {
           {"merges", std::count_if(mapping.merges.begin(), mapping.merges.end(), [](const auto& merge) { return !merge.undone; })},
           {"seconds", {{"submaps", 1e-3 * t.submaps}, {"describe", 1e-3 * t.describe}, {"recognise", 1e-3 * t.recognise},
                        {"search", 1e-3 * t.search}, {"verify", 1e-3 * t.verify}, {"optimize", 1e-3 * t.optimize}}},
+          {"seconds_between_maps", 1e-3 * t.fusion},
           {"error", mapping.error}};
 }
 

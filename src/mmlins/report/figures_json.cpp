@@ -2,29 +2,17 @@
 #include <algorithm>
 #include <array>
 
+#include "mmlins/pipeline/scan_stages.hpp"
 #include "mmlins/report/report_data.hpp"
 
 namespace mmlins::report {
 namespace {
 
+using pipeline::kStages;
 using pipeline::ScanRecord;
+using pipeline::Stage;
 
 constexpr int kNumBins = 40;
-
-struct Stage {
-  const char* name;
-  double (*of)(const ScanRecord&);
-};
-constexpr std::array<Stage, 8> kStages{{
-    {"read", [](const ScanRecord& r) { return r.read_ms; }},
-    {"propagate", [](const ScanRecord& r) { return r.times.propagate; }},
-    {"deskew", [](const ScanRecord& r) { return r.times.deskew; }},
-    {"downsample", [](const ScanRecord& r) { return r.times.downsample; }},
-    {"update", [](const ScanRecord& r) { return r.times.update; }},
-    {"health", [](const ScanRecord& r) { return r.times.health; }},
-    {"insert", [](const ScanRecord& r) { return r.times.insert; }},
-    {"total", [](const ScanRecord& r) { return r.total_ms(); }},
-}};
 
 std::vector<double> milliseconds_of(const pipeline::RunResult& result, const Stage& stage) {
   std::vector<double> ms;
@@ -63,7 +51,8 @@ ordered_json back_end_json(const pipeline::MappingResult& mapping) {
           {"closures", std::move(closures)},
           {"merges", std::count_if(mapping.merges.begin(), mapping.merges.end(), [](const auto& merge) { return !merge.undone; })},
           {"seconds", {{"submaps", 1e-3 * t.submaps}, {"describe", 1e-3 * t.describe}, {"recognise", 1e-3 * t.recognise},
-                       {"search", 1e-3 * t.search}, {"verify", 1e-3 * t.verify}, {"optimize", 1e-3 * t.optimize}}}};
+                       {"search", 1e-3 * t.search}, {"verify", 1e-3 * t.verify}, {"optimize", 1e-3 * t.optimize}}},
+          {"seconds_between_maps", 1e-3 * t.fusion}};
 }
 
 }  // namespace
