@@ -240,11 +240,11 @@ TEST(AtlasKeyframeStore, GivesTheSameKeyframesWhateverTheBudget) {
   for (const std::size_t budget : {std::size_t{0}, one / 2, 3 * one, 1000 * one}) {
     const TemporaryFolder folder;
     Atlas atlas = created(folder, {.chunk_bytes = 2000});  // several chunk files
-    AtlasKeyframeStore store(atlas, budget);
+    AtlasKeyframeStore store(atlas, budget, [](int) { return true; });
     for (int id = 0; id < 20; ++id) {
+      ASSERT_TRUE(atlas.add_keyframe(example_keyframe(id, 0)).ok());
       ASSERT_TRUE(store.add(std::make_shared<const keyframe::Keyframe>(example_keyframe(id, 0))).ok());
     }
-    EXPECT_FALSE(store.add(std::make_shared<const keyframe::Keyframe>(example_keyframe(3, 0))).ok());
     math::Random random(5);
     for (int i = 0; i < 100; ++i) {
       const int id = static_cast<int>(random.bits() % 20);
@@ -255,6 +255,54 @@ TEST(AtlasKeyframeStore, GivesTheSameKeyframesWhateverTheBudget) {
     }
     EXPECT_FALSE(store.load(20).ok());
   }
+}
+
+TEST(AtlasKeyframeStore, LetsNothingGoThatIsNotOnDisk) {
+  const TemporaryFolder folder;
+  Atlas atlas = created(folder);
+  const std::size_t one = size_in_memory(example_keyframe(1, 0));
+  int num_on_disk = 0;
+  AtlasKeyframeStore store(atlas, 2 * one, [&](int id) { return id < num_on_disk; });
+  for (int id = 0; id < 10; ++id) {
+    ASSERT_TRUE(store.add(std::make_shared<const keyframe::Keyframe>(example_keyframe(id, 0))).ok());
+  }
+  EXPECT_FALSE(store.add(std::make_shared<const keyframe::Keyframe>(example_keyframe(3, 0))).ok());
+  for (int id = 0; id < 10; ++id) expect_same(**store.load(id), example_keyframe(id, 0));
+  for (; num_on_disk < 10; ++num_on_disk) ASSERT_TRUE(atlas.add_keyframe(example_keyframe(num_on_disk, 0)).ok());
+  ASSERT_TRUE(atlas.add_keyframe(example_keyframe(10, 0)).ok());
+  ++num_on_disk;
+  ASSERT_TRUE(store.add(std::make_shared<const keyframe::Keyframe>(example_keyframe(10, 0))).ok());
+  EXPECT_LE(store.bytes_kept(), 2 * one);
+  for (int id = 0; id < 10; ++id) expect_same(**store.load(id), example_keyframe(id, 0));
+}
+
+TEST(Atlas, IsReadByAnotherThreadOnceCommitted) {
+  const TemporaryFolder folder;
+  Atlas writer = created(folder);
+  const auto reader = writer.reader();
+  ASSERT_TRUE(reader.ok()) << reader.error().message;
+  ASSERT_TRUE(writer.add_keyframe(example_keyframe(0, 0)).ok());
+  EXPECT_FALSE(reader->load_keyframe(0).ok());
+  ASSERT_TRUE(writer.commit().ok());
+  expect_same(*reader->load_keyframe(0), example_keyframe(0, 0));
+}
+
+TEST(Atlas, TakesTheIdsThatItIsGiven) {
+  const TemporaryFolder folder;
+  Atlas atlas = created(folder);
+  for (int id = 0; id < 3; ++id) ASSERT_TRUE(atlas.add_keyframe(example_keyframe(id, 0)).ok());
+  for (const int id : {2, 7}) {
+    EdgeRow row = example_edge(0, 1);
+    row.id = id;
+    EXPECT_EQ(*atlas.add_edge(row), id);
+    EXPECT_FALSE(atlas.add_edge(row).ok());
+  }
+  EXPECT_EQ(*atlas.add_edge(example_edge(1, 2)), 8);
+  MergeRow merge;
+  merge.id = 5;
+  GraphChange change;
+  change.new_merges = {merge};
+  EXPECT_EQ(atlas.apply(change)->merge_ids, std::vector<int>{5});
 }
 
 }  // namespace

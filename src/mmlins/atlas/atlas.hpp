@@ -62,6 +62,8 @@ class Atlas {
   /// For reading, with an index made in memory from the chunk files and what can still be read of the old
   /// index.
   [[nodiscard]] static Result<Atlas> salvage(const std::string& folder);
+  /// The same atlas, for reading in another thread of this process: what was committed is seen there.
+  [[nodiscard]] Result<Atlas> reader() const;
   Atlas(Atlas&& other) noexcept;
   Atlas& operator=(Atlas&& other) = delete;
   /// Commits; better do so before, where an error can be told.
@@ -74,12 +76,14 @@ class Atlas {
   [[nodiscard]] Status update_map(const MapRow& map);
   /// Its points must be whole multiples of keyframe::kPointQuantum; its ids new.
   [[nodiscard]] Status add_keyframe(const keyframe::Keyframe& keyframe);
+  /// The same, where it is known already that an optimisation has moved the map within itself.
+  [[nodiscard]] Status add_keyframe(const keyframe::Keyframe& keyframe, const SE3& T_map_imu_optimised);
   /// @return its id
   [[nodiscard]] Result<std::int64_t> add_edge(const EdgeRow& edge);
   [[nodiscard]] Status set_edge_weight(const EdgeWeight& weight);
   [[nodiscard]] Status add_gravity(const GravityRow& gravity);
   [[nodiscard]] Status add_place(const PlaceRow& place);
-  /// Ends the batch. To be called about twice a second, as this layer reads no clock; after
+  /// Ends the batch. To be called as often as little may be lost, as this layer reads no clock; after
   /// AtlasOptions::batch_keyframes keyframes it happens by itself.
   [[nodiscard]] Status commit();
 

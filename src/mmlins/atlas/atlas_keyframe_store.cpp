@@ -12,7 +12,7 @@ void AtlasKeyframeStore::keep(const keyframe::KeyframePointer& keyframe) {
   recent_.push_front(keyframe);
   index_[keyframe->id] = recent_.begin();
   bytes_kept_ += size_in_memory(*keyframe);
-  while (bytes_kept_ > budget_) {
+  while (bytes_kept_ > budget_ && on_disk_(recent_.back()->id)) {
     bytes_kept_ -= size_in_memory(*recent_.back());
     index_.erase(recent_.back()->id);
     recent_.pop_back();
@@ -20,7 +20,9 @@ void AtlasKeyframeStore::keep(const keyframe::KeyframePointer& keyframe) {
 }
 
 Status AtlasKeyframeStore::add(const keyframe::KeyframePointer& keyframe) {
-  if (const Status status = atlas_.add_keyframe(*keyframe); !status) return status;
+  if (index_.contains(keyframe->id)) {
+    return make_error(ErrorCode::kInvalid, "{}: keyframe {} exists already", atlas_.folder(), keyframe->id);
+  }
   keep(keyframe);
   return {};
 }

@@ -186,6 +186,13 @@ Result<Atlas> Atlas::open(const std::string& folder, Access access, const AtlasO
   return atlas;
 }
 
+Result<Atlas> Atlas::reader() const {
+  // By SQLite alone: if any other code of this process closed the file, the locks of the writer would go.
+  auto database = open_for_reading(index_path(folder_));
+  if (!database) return database.error();
+  return Atlas(folder_, std::move(database).value(), options_);
+}
+
 std::string find_atlas(const std::string& folder) {
   std::error_code failure;
   const std::string inner = folder + "/atlas";

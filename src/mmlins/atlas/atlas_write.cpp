@@ -67,7 +67,9 @@ Result<RecordPlace> Atlas::append_points(const keyframe::Keyframe& keyframe) {
   return writer_->append(*payload);
 }
 
-Status Atlas::add_keyframe(const keyframe::Keyframe& kf) {
+Status Atlas::add_keyframe(const keyframe::Keyframe& kf) { return add_keyframe(kf, kf.T_map_imu); }
+
+Status Atlas::add_keyframe(const keyframe::Keyframe& kf, const SE3& T_map_imu_optimised) {
   if (const Status status = begin_batch(); !status) return status;
   Statement known = database_->prepare("SELECT 1 FROM keyframe WHERE id = ?");
   if (known.bind(kf.id).next()) {
@@ -81,7 +83,7 @@ Status Atlas::add_keyframe(const keyframe::Keyframe& kf) {
       .bind(kf.map_id)
       .bind(kf.time)
       .bind(pose_bytes(kf.T_map_imu))
-      .bind(pose_bytes(kf.T_map_imu));
+      .bind(pose_bytes(T_map_imu_optimised));
   insert.bind(vector_bytes(kf.down_imu)).bind(static_cast<std::int64_t>(kf.points_imu.size()));
   insert.bind(place->chunk).bind(place->offset);
   if (const Status status = insert.run(); !status) return status;
@@ -89,9 +91,10 @@ Status Atlas::add_keyframe(const keyframe::Keyframe& kf) {
 }
 
 Result<std::int64_t> Atlas::insert_edge(const EdgeRow& row) {
-  Statement insert = database_->prepare("INSERT INTO edge VALUES(NULL, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+  Statement insert = database_->prepare("INSERT INTO edge VALUES(nullif(?, 0), ?, ?, ?, ?, ?, ?, ?, ?, ?)");
   const graph::Edge& edge = row.edge;
-  insert.bind(edge.from).bind(edge.to).bind(pose_bytes(edge.T_from_to)).bind(matrix_bytes(edge.information));
+  insert.bind(row.id).bind(edge.from).bind(edge.to).bind(pose_bytes(edge.T_from_to));
+  insert.bind(matrix_bytes(edge.information));
   insert.bind(graph::kEdgeKindNames[static_cast<std::size_t>(edge.kind)])
       .bind(edge.robust)
       .bind(edge.provenance);
@@ -150,9 +153,10 @@ Status Atlas::write_poses(const GraphChange& change) {
 }
 
 Status Atlas::write_merges(const GraphChange& change, Committed& committed) {
-  Statement insert = database_->prepare("INSERT INTO merge VALUES(NULL, ?, ?, ?, ?, ?, ?, ?, ?)");
+  Statement insert = database_->prepare("INSERT INTO merge VALUES(nullif(?, 0), ?, ?, ?, ?, ?, ?, ?, ?)");
   for (const MergeRow& merge : change.new_merges) {
-    insert.bind(merge.time).bind(merge.map).bind(merge.into).bind(merge.kind).bind(merge.evidence);
+    insert.bind(merge.id).bind(merge.time).bind(merge.map).bind(merge.into).bind(merge.kind);
+    insert.bind(merge.evidence);
     insert.bind(pose_bytes(merge.T_before)).bind(pose_bytes(merge.T_after)).bind(merge.undone);
     if (const Status status = insert.run(); !status) return status;
     committed.merge_ids.push_back(static_cast<int>(database_->last_id()));

@@ -48,7 +48,7 @@ struct KeyframeRow {
 
 /// The ids of its nodes are those of keyframes.
 struct EdgeRow {
-  std::int64_t id = 0;  ///< given by the atlas; increases
+  std::int64_t id = 0;  ///< 0: the atlas gives the next one when it is added
   graph::Edge edge;
   double weight = 1.0;   ///< 0: rejected as false
   std::string evidence;  ///< JSON: why it is believed
@@ -70,7 +70,7 @@ struct PlaceRow {
 };
 
 struct MergeRow {
-  int id = 0;  ///< given by the atlas; increases
+  int id = 0;  ///< 0: the atlas gives the next one when it is added
   Time time;   ///< of the recording, when it was decided
   int map = 0;
   int into = 0;

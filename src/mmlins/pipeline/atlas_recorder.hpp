@@ -1,49 +1,43 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-// Writes down what the back end knows, as it comes to know it: whenever the process dies, the atlas holds the maps as
-// they were a moment before.
-
-#include <cstdint>
-#include <string>
-#include <vector>
+// Writes down what the odometry hands on, at once, and what the back end makes of it, when that is known:
+// whenever the process dies, the atlas holds the maps as they were a moment before.
 
 #include "mmlins/atlas/atlas.hpp"
-#include "mmlins/mapping/back_end_mapper.hpp"
-#include "mmlins/odometry/map_record.hpp"
+#include "mmlins/mapping/mapping_config.hpp"
+#include "mmlins/pipeline/mapper_journal.hpp"
+#include "mmlins/pipeline/mapping_task.hpp"
 
 namespace mmlins::pipeline {
 
 class AtlasRecorder {
  public:
   /// @param atlas  must outlive the recorder
-  explicit AtlasRecorder(atlas::Atlas& atlas) : atlas_(atlas) {}
+  AtlasRecorder(const mapping::MappingConfig& config, atlas::Atlas& atlas)
+      : atlas_(atlas), odometry_(config.link, config.optimizer) {}
 
-  [[nodiscard]] Status begin_map(const odometry::MapRecord& map, const mapping::BackEndMapper& mapper);
-  /// What the mapper has added or changed since the last time. Its keyframes must be in the atlas.
-  [[nodiscard]] Status follow(const mapping::BackEndMapper& mapper);
-  [[nodiscard]] Status end_map(const odometry::MapRecord& map, const mapping::BackEndMapper& mapper);
+  [[nodiscard]] Status write(const MappingTask& task);
+  /// @pre what the mapper knew was written before
+  [[nodiscard]] Status write(MapperChange change);
+  [[nodiscard]] Status commit() { return atlas_.commit(); }
 
  private:
-  [[nodiscard]] Status add_edges(const mapping::BackEndMapper& mapper);
-  [[nodiscard]] Status add_places(const mapping::BackEndMapper& mapper);
-  [[nodiscard]] Status place_latest(const mapping::BackEndMapper& mapper);
-  [[nodiscard]] Status write_change(const mapping::BackEndMapper& mapper);
-  /// Those that the graph has no longer.
-  [[nodiscard]] std::vector<atlas::EdgeWeight> forget_edges(const graph::PoseGraph& graph);
-  [[nodiscard]] atlas::GraphChange change_of(const mapping::BackEndMapper& mapper);
-  /// Gravity of stretches that are complete.
-  [[nodiscard]] Status add_gravity(const mapping::BackEndMapper& mapper, std::size_t end);
+  [[nodiscard]] Status begin_map(const BeginOfMap& task);
+  [[nodiscard]] Status add(const NewKeyframe& task);
+  [[nodiscard]] Status end_map(const odometry::MapRecord& map);
+  /// Gravity of the first so many factors, which will not change any more.
+  [[nodiscard]] Status add_gravity(std::size_t end);
+  /// Moves what the mapper did not know yet along with what it moved.
+  void take_along(MapperChange& change);
 
   atlas::Atlas& atlas_;
-  std::vector<std::int64_t> edge_ids_;  ///< in the atlas, of the edges of the graph that are there
-  std::vector<graph::Edge> edges_;      ///< these themselves
-  std::vector<double> weights_;         ///< and their weights, as they are there
-  std::vector<int> merge_ids_;          ///< in the atlas, of the merges of the mapper
-  std::vector<bool> merge_stands_;      ///< there
-  std::size_t num_places_ = 0;
+  mapping::MapGraph odometry_;  ///< what the odometry says, without closures
+  std::size_t num_edges_ = 0;   ///< of it, in the atlas
   std::size_t num_gravity_ = 0;
-  std::size_t num_keyframes_ = 0;
-  int revision_ = 0;
+  int lost_ = -1;       ///< the last keyframe that could not be written
+  int moved_map_ = -1;  ///< was moved within itself, and keyframes to come with it
+  math::SE3 T_moved_map_;
+  math::SE3 T_moved_world_;  ///< moves maps to come
 };
 
 }  // namespace mmlins::pipeline

@@ -12,66 +12,64 @@ namespace {
 /// Keyframes that may wait. A search or an optimisation lasts about as long as some tens of scans.
 constexpr std::size_t kMaxWaiting = 64;
 
-std::unique_ptr<keyframe::KeyframeStore> make_store(const mapping::MappingConfig& config, atlas::Atlas* atlas) {
-  if (!atlas) return std::make_unique<keyframe::MemoryKeyframeStore>();
-  constexpr std::size_t kMega = 1'000'000;
-  return std::make_unique<atlas::AtlasKeyframeStore>(*atlas, static_cast<std::size_t>(config.memory_mb) * kMega);
-}
-
 }  // namespace
 
-BackEnd::BackEnd(const mapping::MappingConfig& config, atlas::Atlas* atlas)
-    : store_(make_store(config, atlas)), mapper_(mapping::make_mapper(config, *store_)) {
-  if (atlas) recorder_.emplace(*atlas);
+BackEnd::BackEnd(const mapping::MappingConfig& config, atlas::Atlas* atlas, const MakeMapper& make_mapper)
+    : tasks_(kMaxWaiting) {
+  if (atlas) {
+    if (auto reader = atlas->reader()) {
+      reader_.emplace(std::move(*reader));
+    } else {
+      note(reader.error());
+    }
+    storage_.emplace(config, *atlas);
+  }
+  store_ = make_store(config);
+  mapper_ = make_mapper(config, *store_);
   worker_ = std::thread([this] { work(); });
 }
 
 BackEnd::~BackEnd() { finish(); }
 
+std::unique_ptr<keyframe::KeyframeStore> BackEnd::make_store(const mapping::MappingConfig& config) {
+  if (!reader_) return std::make_unique<keyframe::MemoryKeyframeStore>();
+  constexpr std::size_t kMega = 1'000'000;
+  return std::make_unique<atlas::AtlasKeyframeStore>(*reader_,
+                                                     static_cast<std::size_t>(config.memory_mb) * kMega,
+                                                     [this](int id) { return storage_->is_done_with(id); });
+}
+
 void BackEnd::add(MappingTask task) {
-  std::unique_lock lock(mutex_);
-  changed_.wait(lock, [this] { return waiting_.size() < kMaxWaiting; });
-  waiting_.push_back(std::move(task));
-  changed_.notify_all();
+  // The storage first: the mapper may only speak of keyframes that are on their way to the disk.
+  if (storage_) storage_->add(task);
+  tasks_.push(std::move(task));
 }
 
 void BackEnd::finish() {
-  {
-    const std::lock_guard lock(mutex_);
-    no_more_ = true;
-    changed_.notify_all();
-  }
+  tasks_.close();
   if (worker_.joinable()) worker_.join();
+  if (storage_) storage_->finish();
 }
 
+std::string BackEnd::error() const { return error_.empty() && storage_ ? storage_->error() : error_; }
+
 void BackEnd::work() {
-  while (true) {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return no_more_ || !waiting_.empty(); });
-    if (waiting_.empty()) return;
-    const MappingTask task = std::move(waiting_.front());
-    waiting_.pop_front();
-    changed_.notify_all();
-    lock.unlock();
-    perform(task);
-  }
+  while (const auto task = tasks_.pop()) perform(*task);
 }
 
 void BackEnd::perform(const MappingTask& task) {
   if (const auto* begin = std::get_if<BeginOfMap>(&task)) {
     mapper_->begin_map(begin->begin);
-    if (recorder_) note(recorder_->begin_map(begin->record, *mapper_));
   } else if (const auto* added = std::get_if<NewKeyframe>(&task)) {
     note(store_->add(added->keyframe));
     mapper_->add(added->keyframe, added->pose_covariance);
-    if (recorder_) note(recorder_->follow(*mapper_));
   } else if (const auto* bridge = std::get_if<Bridge>(&task)) {
     mapper_->bridge(bridge->covariance);
-    if (recorder_) note(recorder_->follow(*mapper_));
   } else {
     mapper_->end_map();
-    if (recorder_) note(recorder_->end_map(std::get<EndOfMap>(task).record, *mapper_));
   }
+  if (!storage_) return;
+  if (MapperChange change = journal_.take(*mapper_); !change.is_empty()) storage_->add(std::move(change));
 }
 
 void BackEnd::note(const Status& status) {
