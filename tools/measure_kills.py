@@ -10,12 +10,13 @@ undisturbed run:
 
 - behind: from the last keyframe in the atlas to the last scan done, in seconds of the recording. Without a kill it
   is up to the time between keyframes, a metre apart;
-- missing: from the first keyframe that should be there and is not, to the last scan. These waited for the back end,
-  which works beside the odometry. As a run is faster than its recording, also in seconds of real time: that is what
+- missing: from the first keyframe that should be there and is not, to the last scan. These waited for the thread that
+  writes, which works beside the odometry. As a run is faster than its recording, also in seconds of real time: that is what
   a robot would lose, on which the recording is no faster than the clock."""
 import argparse
 import pathlib
 import random
+import shutil
 import sqlite3
 import subprocess
 import sys
@@ -94,6 +95,7 @@ def main() -> None:
             loss = losses(expected, after, scans_done(folder))
             behind.append(loss[0])
             missing.append(loss[1])
+            shutil.rmtree(folder, ignore_errors=True)
             print(f"[{kill + 1}/{chosen.kills}] {'ok' if well else 'DAMAGED'}: "
                   f"{checked.stdout.strip() or checked.stderr.strip()}; behind {loss[0]:.2f} s, missing {loss[1]:.2f} s", flush=True)
         print(f"opened and sound: {opened} of {chosen.kills}; keyframes lost that had been committed: {max(uncommitted)}")

@@ -36,6 +36,8 @@ class BackEnd {
 
   /// @pre finish() has returned
   [[nodiscard]] const mapping::BackEndMapper& mapper() const { return *mapper_; }
+  /// Whoever has it may free its memory, which the map of a long run needs. @pre finish() has returned
+  [[nodiscard]] std::unique_ptr<mapping::BackEndMapper> take_mapper() { return std::move(mapper_); }
   [[nodiscard]] keyframe::KeyframeStore& store() { return *store_; }
   /// The first error of the store or the atlas; empty if there was none. @pre finish() has returned
   [[nodiscard]] std::string error() const;

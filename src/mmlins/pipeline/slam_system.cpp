@@ -55,7 +55,7 @@ class Runner {
   Runner(const sensor::Rig& rig, const SlamConfig& config, const Observer& observer, atlas::Atlas* atlas)
       : config_(config),
         rig_(rig),
-        odometry_(config.odometry, rig),
+        odometry_(std::in_place, config.odometry, rig),
         builder_(config.mapping.keyframe),
         back_end_(config.mapping, atlas),
         observer_(observer) {}
@@ -78,11 +78,12 @@ class Runner {
   void finish_keyframe();
   /// Waits for the back end, and puts everything where it lies in the end.
   void settle();
+  void take_from_mapper();
 
   const SlamConfig& config_;
   const sensor::Rig& rig_;
   SensorSync sync_;
-  odometry::LidarInertialOdometry odometry_;
+  std::optional<odometry::LidarInertialOdometry> odometry_;  ///< until the last scan is done
   keyframe::KeyframeBuilder builder_;
   imu::Estimate last_placed_;
   std::optional<math::Matrix6d> bridged_;  ///< covariance of the pose that the IMU carries, since the last placed scan
@@ -108,8 +109,9 @@ RunResult Runner::run(sensor::Dataset& dataset) {
       stopwatch.lap_ms();
     }
   }
-  for (const auto& late : odometry_.finish()) record(late);
-  result_.maps = odometry_.maps();
+  for (const auto& late : odometry_->finish()) record(late);
+  result_.maps = odometry_->maps();
+  odometry_.reset();  // what is done next needs the memory
   settle();
   result_.num_late_imu_samples += sync_.num_late_imu_samples();
   result_.num_clock_jumps = sync_.num_clock_jumps();
@@ -134,9 +136,9 @@ bool Runner::read_one(sensor::Dataset& dataset) {
 
 void Runner::process(const SyncedScan& synced) {
   for (const sensor::ImuSample& sample : synced.imu) {
-    if (odometry_.add_imu(sample) == sensor::ImuAdmission::kNotLater) ++result_.num_late_imu_samples;
+    if (odometry_->add_imu(sample) == sensor::ImuAdmission::kNotLater) ++result_.num_late_imu_samples;
   }
-  const auto output = odometry_.add_scan(synced.scan);
+  const auto output = odometry_->add_scan(synced.scan);
   if (output.admission == odometry::ScanAdmission::kNoImu && result_.num_scans_without_imu++ == 0) {
     log::warning("the scan at {:.3f} s is older than the first IMU sample and is left out",
                  to_seconds(synced.scan->end_time.time_since_epoch()));
@@ -159,7 +161,7 @@ void Runner::record(const odometry::ScanResult& result) {
 void Runner::begin_map(const odometry::MapRecord& map) {
   if (latest_map_ >= 0) {
     finish_keyframe();
-    back_end_.add(EndOfMap{odometry_.maps()[static_cast<std::size_t>(latest_map_)]});
+    back_end_.add(EndOfMap{odometry_->maps()[static_cast<std::size_t>(latest_map_)]});
   }
   latest_map_ = map.id;
   bridged_.reset();
@@ -169,7 +171,7 @@ void Runner::begin_map(const odometry::MapRecord& map) {
 }
 
 void Runner::hand_on(const odometry::ScanResult& result, const math::SE3& T_map_imu) {
-  while (latest_map_ < result.map_id) begin_map(odometry_.maps()[static_cast<std::size_t>(latest_map_ + 1)]);
+  while (latest_map_ < result.map_id) begin_map(odometry_->maps()[static_cast<std::size_t>(latest_map_ + 1)]);
   if (!odometry::is_placed(result.state)) {
     bridged_ = pose_covariance(result.estimate);
     // What was seen until now is handed on at once: it may be long before there is more.
@@ -210,20 +212,13 @@ void Runner::hand_on(keyframe::Keyframe keyframe, const imu::Estimate& estimate)
 
 void Runner::settle() {
   finish_keyframe();
-  if (latest_map_ >= 0) back_end_.add(EndOfMap{odometry_.maps()[static_cast<std::size_t>(latest_map_)]});
+  if (latest_map_ >= 0) back_end_.add(EndOfMap{result_.maps[static_cast<std::size_t>(latest_map_)]});
   back_end_.finish();
-  const mapping::BackEndMapper& mapper = back_end_.mapper();
-  MappingResult& mapping = result_.mapping;
-  mapping.graph = mapper.map_graph().graph();
-  for (const odometry::MapRecord& map : result_.maps) mapping.worlds.push_back(mapper.map_graph().world_of(map.id));
-  mapping.closures = mapper.closures();
-  mapping.merges = mapper.merges();
-  mapping.times = mapper.times();
-  mapping.error = back_end_.error();
+  take_from_mapper();
+  const MappingResult& mapping = result_.mapping;
   result_.map = VoxelMapBuilder(config_.output.map_voxel);
   for (int id = 0; id < static_cast<int>(mapping.keyframes.size()); ++id) {
-    KeyframePlace& place = mapping.keyframes[static_cast<std::size_t>(id)];
-    place.T_world_imu = mapper.map_graph().T_world_keyframe(id);
+    const KeyframePlace& place = mapping.keyframes[static_cast<std::size_t>(id)];
     if (const auto keyframe = back_end_.store().load(id)) result_.map.add(**keyframe, place.T_world_imu);
   }
   std::vector<ScanPlace> scans;
@@ -235,6 +230,20 @@ void Runner::settle() {
   }
   const std::vector<math::SE3> poses = world_trajectory(scans, mapping.keyframes, rig_);
   for (std::size_t i = 0; i < poses.size(); ++i) result_.scans[i].T_world_imu = poses[i];
+}
+
+void Runner::take_from_mapper() {
+  const auto mapper = back_end_.take_mapper();
+  MappingResult& mapping = result_.mapping;
+  mapping.graph = mapper->map_graph().graph();
+  for (const odometry::MapRecord& map : result_.maps) mapping.worlds.push_back(mapper->map_graph().world_of(map.id));
+  mapping.closures = mapper->closures();
+  mapping.merges = mapper->merges();
+  mapping.times = mapper->times();
+  mapping.error = back_end_.error();
+  for (int id = 0; id < static_cast<int>(mapping.keyframes.size()); ++id) {
+    mapping.keyframes[static_cast<std::size_t>(id)].T_world_imu = mapper->map_graph().T_world_keyframe(id);
+  }
 }
 
 }  // namespace
