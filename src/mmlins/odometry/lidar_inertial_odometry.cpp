@@ -129,7 +129,8 @@ bool LidarInertialOdometry::try_new_map(const ScanPointer& scan, const imu::Esti
   const Restart::Progress progress = restart_->add(scan, imu_, collapsed);
   result.times.start += stopwatch.lap_ms();
   if (progress == Restart::Progress::kFailed) {
-    if (asleep_) ++num_failed_trials_;
+    // Under a cover a failed trial says nothing of the IMU.
+    if (asleep_ && !collapsed) ++num_failed_trials_;
     restart_.reset();
     return false;
   }

@@ -78,6 +78,7 @@ struct RestartConfig {
   double unexplained_near = 1.7;
   double trial = 0.6;
   double patience = 3.0;
+  double min_explained = 0.35;
   double pose_deviation = 0.005;
   double pose_deviation_deg = 0.03;
   double confirming_motion = 0.5;

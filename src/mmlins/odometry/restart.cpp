@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "mmlins/odometry/restart.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 #include "mmlins/imu/frame_change.hpp"
@@ -15,6 +18,8 @@ namespace mmlins::odometry {
 namespace {
 
 constexpr int kMaxPasses = 6;
+// Scans by which is judged what a young map explains: before, it was younger still.
+constexpr std::size_t kLatest = 3;
 // Between passes; straightening a scan of 0.1 s then changes by 3 mm [m/s].
 constexpr double kSettledSpeed = 0.03;
 constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
@@ -60,8 +65,7 @@ Restart::Progress Restart::add_with_prior(const Scan& scan, const sensor::ImuBuf
     return Progress::kFailed;
   }
   scans_.push_back(scan);
-  poses_.push_back(poses_.empty() ? initialization::defining_pose(result.time, result.estimate.state.T_odom_imu())
-                                  : measured_pose(result, config_.restart));
+  take(result);
   if (config_.initialization.mode == initialization::InitializationMode::kPaper) {
     if (static_cast<int>(poses_.size()) < config_.initialization.window.paper_frames) return Progress::kOnTrial;
     return initialize_as_in_the_paper(imu) ? Progress::kProven : Progress::kFailed;
@@ -70,7 +74,7 @@ Restart::Progress Restart::add_with_prior(const Scan& scan, const sensor::ImuBuf
   if (elapsed < config_.restart.trial) return Progress::kOnTrial;
   if (is_collapsed && !has_seen_motion()) {
     verdict_ = "the scans have collapsed and show no motion";
-  } else if (initialize(imu)) {
+  } else if (initialize(imu) && explains_enough()) {
     return Progress::kProven;
   }
   return elapsed < config_.restart.patience ? Progress::kOnTrial : Progress::kFailed;
@@ -137,16 +141,31 @@ bool Restart::go_over_again(const initialization::MapSolution& solution, const s
   again.state.gravity_odom = found.gravity_odom;
   tracker_ = std::make_unique<ScanTracker>(config_, rig_, imu::with_pose_taken_for_granted(again), T_odom_map_);
   poses_.clear();
+  explained_.clear();
   for (const Scan& scan : scans_) {
     const ScanResult result = tracker_->track(scan, imu);
     if (!is_placed(result.state)) {
       verdict_ = "the scans no longer match when straightened";
       return false;
     }
-    poses_.push_back(poses_.empty() ? initialization::defining_pose(result.time, result.estimate.state.T_odom_imu())
-                                    : measured_pose(result, config_.restart));
+    take(result);
   }
   return true;
+}
+
+void Restart::take(const ScanResult& result) {
+  poses_.push_back(poses_.empty() ? initialization::defining_pose(result.time, result.estimate.state.T_odom_imu())
+                                  : measured_pose(result, config_.restart));
+  explained_.push_back(result.explained);
+}
+
+bool Restart::explains_enough() {
+  const std::size_t num = std::min(explained_.size(), kLatest);
+  const double share = std::accumulate(explained_.end() - static_cast<std::ptrdiff_t>(num), explained_.end(), 0.0) /
+                       static_cast<double>(num);
+  if (share >= config_.restart.min_explained) return true;
+  verdict_ = fmt::format("the new map explains {:.0f} % of the scans", 100.0 * share);
+  return false;
 }
 
 bool Restart::initialize_as_in_the_paper(const sensor::ImuBuffer& imu) {

@@ -56,6 +56,9 @@ class Restart {
   [[nodiscard]] bool initialize_as_in_the_paper(const sensor::ImuBuffer& imu);
   /// Goes over the scans again, straightened with the motion that has been found. False if they no longer match.
   [[nodiscard]] bool go_over_again(const initialization::MapSolution& solution, const sensor::ImuBuffer& imu);
+  void take(const ScanResult& result);
+  /// Whether the new map explains the latest scans well enough to be a map of anything.
+  [[nodiscard]] bool explains_enough();
   /// Whether the scans themselves saw the robot move by a good deal.
   [[nodiscard]] bool has_seen_motion() const;
 
@@ -68,6 +71,7 @@ class Restart {
   std::unique_ptr<ScanTracker> tracker_;
   std::vector<Scan> scans_;
   initialization::PoseMeasurements poses_;
+  std::vector<double> explained_;  ///< share of each scan that the map before it explains
   std::string verdict_;
   MapBeginning beginning_ = MapBeginning::kAfterGap;
   bool proven_ = false;
