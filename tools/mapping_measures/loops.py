@@ -23,7 +23,7 @@ def drives(method: str, seed: int) -> list[Item]:
         if text not in found:
             found[text] = item_of(name, text, method, seed)
     far = item_of(FAR, catalogue_text("long_drive"), method, seed)
-    found[FAR] = far._replace(settings=(*far.settings, "duration=680"))
+    found[FAR] = far._replace(settings=(*far.settings, "duration=775"))
     return sorted(found.values(), key=lambda item: duration_of(item.scenario))
 
 

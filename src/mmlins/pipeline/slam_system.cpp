@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "mmlins/base/log.hpp"
+#include "mmlins/base/memory.hpp"
 #include "mmlins/base/stopwatch.hpp"
 #include "mmlins/keyframe/keyframe_builder.hpp"
 #include "mmlins/pipeline/back_end.hpp"
@@ -215,6 +216,7 @@ void Runner::settle() {
   if (latest_map_ >= 0) back_end_.add(EndOfMap{result_.maps[static_cast<std::size_t>(latest_map_)]});
   back_end_.finish();
   take_from_mapper();
+  return_freed_memory();
   const MappingResult& mapping = result_.mapping;
   result_.map = VoxelMapBuilder(config_.output.map_voxel);
   for (int id = 0; id < static_cast<int>(mapping.keyframes.size()); ++id) {
