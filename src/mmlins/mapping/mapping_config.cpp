@@ -50,6 +50,23 @@ Fields MergeConfig::fields() {
   };
 }
 
+Fields RebuildConfig::fields() {
+  return {
+      field("enabled", enabled,
+            "after a merge or a closure the odometry goes on with a local map rebuilt from the keyframes around it"),
+      field("after", after, "", {1.0, 64.0},
+            "keyframes after which it takes up what a keyframe has brought; the run waits for the back end if it is later"),
+      field("near", near, "m", {5.0, 300.0}, "keyframes farther from the robot are left out"),
+      field("recent", recent, "m", {5.0, 1000.0}, "way back over which the local map is taken to be right"),
+      field("held_within", held_within, "m", {0.0, 300.0},
+            "and it still holds places that the robot has been no farther from than this"),
+      field("moved", moved, "m", {0.0, 10.0}, "unless they have been moved by more than this"),
+      field("pause", pause, "m", {0.0, 10000.0}, "way after one rebuilt map before the next is made"),
+      field("min_known", min_known, "", {1.0, 1000.0}, "keyframes that it does not hold, for it to be rebuilt"),
+      field("max_keyframes", max_keyframes, "", {5.0, 10000.0}, "of which it is made at most, of either kind"),
+  };
+}
+
 Fields MappingConfig::fields() {
   return {
       field("enabled", enabled, "recognise places, close loops and join maps; otherwise odometry alone"),
@@ -66,6 +83,7 @@ Fields MappingConfig::fields() {
       group("link", link, "what the odometry is believed between keyframes"),
       group("loop", loop, "where known places are looked for"),
       group("merge", merge, "what it takes to join two maps"),
+      group("rebuild", rebuild, "what goes back to the odometry"),
       group("paper", paper, "the back end after the MM-LINS paper (fusion: paper or single)"),
   };
 }

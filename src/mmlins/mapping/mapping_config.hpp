@@ -59,6 +59,21 @@ struct MergeConfig {
   [[nodiscard]] Fields fields();
 };
 
+/// What goes back to the odometry once places were recognised.
+struct RebuildConfig {
+  bool enabled = true;
+  int after = 16;
+  double near = 50.0;
+  double recent = 50.0;
+  double held_within = 30.0;
+  double moved = 0.05;
+  double pause = 15.0;
+  int min_known = 5;
+  int max_keyframes = 150;
+
+  [[nodiscard]] Fields fields();
+};
+
 /// How maps become one: as this project does it; as the MM-LINS paper does it; the same with a single similarity
 /// constraint; not at all.
 enum class FusionKind { kDefault, kPaper, kSingle, kOff };
@@ -76,6 +91,7 @@ struct MappingConfig {
   LinkConfig link;
   LoopConfig loop;
   MergeConfig merge;
+  RebuildConfig rebuild;
   PaperFusionConfig paper;
 
   [[nodiscard]] Fields fields();

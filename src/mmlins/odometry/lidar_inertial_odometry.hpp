@@ -38,6 +38,11 @@ class LidarInertialOdometry {
   /// No more scans will come: starts with what there is, if it has not started yet.
   [[nodiscard]] std::vector<ScanResult> finish();
 
+  /// Offers a local map for the active map, made of keyframes that lie better than what grew since.
+  void offer(RebuiltMap rebuilt) {
+    if (tracker_) tracker_->offer(std::move(rebuilt));
+  }
+
   /// All maps so far, in order; the last one is awake unless the pose is lost.
   [[nodiscard]] const std::vector<MapRecord>& maps() const { return maps_; }
 

@@ -91,6 +91,18 @@ Fields RestartConfig::fields() {
   };
 }
 
+Fields RebuiltMapConfig::fields() {
+  return {
+      field("deviation", deviation, "m", {0.001, 1.0},
+            "standard deviation of where the back end has known surroundings; three of them are the most that they are moved"),
+      field("deviation_deg", deviation_deg, "deg", {0.01, 10.0}, "the same for rotation"),
+      field("min_explained", min_explained, "", {0.0, 2.0},
+            "a rebuilt map must explain at least this share of what the one before explains"),
+      field("max_residual", max_residual, "", {0.1, 10.0}, "and leave residuals of at most this many times its"),
+      field("patience", patience, "", {1.0, 1000.0}, "scans after which a map that does not is dropped"),
+  };
+}
+
 Fields OdometryConfig::fields() {
   return {
       field("detector", detector, {"default", "paper", "published", "zhang"},
@@ -100,6 +112,7 @@ Fields OdometryConfig::fields() {
       group("scan", scan, "preparation of a scan"),
       group("matching", matching, "matching of a scan against the map"),
       group("map", map, "the local map that scans are matched against"),
+      group("rebuilt", rebuilt, "when a local map rebuilt from keyframes takes its place (mapping.rebuild)"),
       group("start", start, "the first seconds"),
       group("trust", trust, "when a match is believed"),
       group("restart", restart, "when a map falls asleep and a new one begins"),

@@ -87,12 +87,24 @@ struct RestartConfig {
   [[nodiscard]] Fields fields();
 };
 
+/// When a local map made of keyframes takes the place of the one that grew.
+struct RebuiltMapConfig {
+  double deviation = 0.05;
+  double deviation_deg = 0.2;
+  double min_explained = 0.97;
+  double max_residual = 1.1;
+  int patience = 10;
+
+  [[nodiscard]] Fields fields();
+};
+
 struct OdometryConfig {
   DetectorKind detector = DetectorKind::kDefault;
   ImuModelConfig imu;
   ScanConfig scan;
   MatchingConfig matching;
   LocalMapConfig map;
+  RebuiltMapConfig rebuilt;
   StartConfig start;
   TrustConfig trust;
   RestartConfig restart;

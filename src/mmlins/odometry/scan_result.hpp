@@ -74,6 +74,7 @@ struct ScanResult {
   int iterations = 0;
   double residual_rms = 0.0;             ///< of the matches, point to plane [m]
   double median_range = 0.0;             ///< of the scan [m]
+  bool map_rebuilt = false;              ///< from here on a map made of keyframes is matched against
   double explained = 0.0;                ///< share of the keypoints that match the map
   double disagreement = 0.0;             ///< of IMU and LiDAR about the motion of the last second [m]
   double disagreement_rotation = 0.0;    ///< the same for rotation [rad]

@@ -22,11 +22,6 @@ constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 /// However slow the sensor is: a wrong place explains one scan by chance, hardly so many in a row.
 constexpr int kScansOfATrial = 5;
 
-std::unique_ptr<spatial::LocalMap> make_map(const LocalMapConfig& config, double range_noise) {
-  if (config.kind == MapKind::kKnn) return std::make_unique<spatial::KnnMap>(config.knn, range_noise);
-  return std::make_unique<spatial::PlaneMap>(config.planes, range_noise);
-}
-
 double largest_deviation(const imu::ErrorMatrix& P, int block) {
   const Eigen::SelfAdjointEigenSolver<math::Matrix3d> solver(P.block<3, 3>(block, block),
                                                              Eigen::EigenvaluesOnly);
@@ -92,7 +87,7 @@ ScanTracker::ScanTracker(const OdometryConfig& config, const sensor::Rig& rig, c
       estimate_(start),
       last_trusted_(start),
       T_odom_map_(T_odom_map),
-      map_(make_map(config.map, rig.range_noise)),
+      map_{make_local_map(config.map, rig.range_noise), {}},
       judge_(config.trust),
       agreement_(config.trust, noise_, from_seconds(config.imu.max_gap)),
       leaf_(0.5 * (config.scan.min_leaf + config.scan.max_leaf)) {}
@@ -137,6 +132,7 @@ ScanResult ScanTracker::track(std::shared_ptr<const sensor::LidarScan> scan, con
   if (!verdict.trusted) {
     trial_.reset();
     postponed_.reset();
+    offered_.reset();
   } else if (on_trial) {
     trial_ = Trial{matched.update.estimate, trial_ ? trial_->since : result.time, trial_ ? trial_->num_scans + 1 : 1};
     result.state = TrackingState::kRelocating;
@@ -149,6 +145,7 @@ ScanResult ScanTracker::track(std::shared_ptr<const sensor::LidarScan> scan, con
                               {config_.scan.min_leaf, config_.scan.max_leaf});
     if (postponed_) insert_into_map(*std::exchange(postponed_, std::nullopt));
     grow_map(prepared.map_points, returns, judge_.is_explained_as_usual(result.explained));
+    consider_offer(prepared, result);
   }
   result.estimate = estimate_;
   result.T_odom_map = T_odom_map_;
@@ -171,6 +168,7 @@ ScanResult ScanTracker::carry(std::shared_ptr<const sensor::LidarScan> scan, con
   set_state(result, {false, cause}, motion.has_gap);
   estimate_ = motion.propagation.estimate;
   is_bridging_ = true;
+  offered_.reset();
   result.estimate = estimate_;
   result.T_odom_map = T_odom_map_;
   return result;
@@ -207,7 +205,7 @@ ScanTracker::Match ScanTracker::match(const Prepared& prepared, const imu::Estim
   result.update.estimate = prior;
   result.is_first = num_insertions_ == 0 && prepared.cloud_imu->size() > 0;
   if (result.is_first) return result;
-  const PlacedMap map(*map_, T_odom_map_.inverse());
+  const PlacedMap map(*map_.map, (T_odom_map_ * map_.T_map_cells).inverse());
   const BeamNoise noise{rig_.bearing_noise_deg * kRadiansPerDegree, rig_.T_imu_lidar().t};
   LidarMeasurement measurement(prepared.keypoints.points, map, config_.matching, noise);
   // Who returns from afar has a long way to the right place, and half of it would be believed as firmly.
@@ -375,15 +373,19 @@ void ScanTracker::grow_map(const lidar::Cloud& cloud_imu, bool returns, bool as_
 }
 
 void ScanTracker::insert_into_map(const Placed& placed) {
-  const math::SE3& T_map_imu = placed.T_map_imu;
-  std::vector<Eigen::Vector3d> points_map;
-  points_map.reserve(placed.points_imu.size());
-  for (const Eigen::Vector3f& p_imu : placed.points_imu)
-    points_map.push_back(T_map_imu * p_imu.cast<double>());
-  map_->insert(points_map, T_map_imu.t);
-  map_->evict_beyond(T_map_imu.t, config_.map.radius);
-  T_map_last_insertion_ = T_map_imu;
+  map_.insert(placed.points_imu, placed.T_map_imu);
+  map_.evict_beyond(placed.T_map_imu, config_.map.radius);
+  if (offered_) offered_->insert(placed.points_imu, placed.T_map_imu);
+  T_map_last_insertion_ = placed.T_map_imu;
   ++num_insertions_;
+}
+
+void ScanTracker::consider_offer(const Prepared& prepared, ScanResult& result) {
+  if (!offered_ || result.state != TrackingState::kTracking) return;
+  const PlacedView view{prepared.keypoints.points, T_odom_map_.inverse() * estimate_.state.T_odom_imu(), estimate_.P};
+  const MapOffer::Answer answer = offered_->consider(map_, view, config_, rig_);
+  result.map_rebuilt = answer == MapOffer::Answer::kTaken;
+  if (answer != MapOffer::Answer::kNotYet) offered_.reset();
 }
 
 }  // namespace mmlins::odometry

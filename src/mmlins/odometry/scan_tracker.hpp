@@ -7,12 +7,12 @@
 #include "mmlins/filter/iterated_update.hpp"
 #include "mmlins/odometry/motion_agreement.hpp"
 #include "mmlins/odometry/odometry_config.hpp"
+#include "mmlins/odometry/rebuilt_map.hpp"
 #include "mmlins/odometry/return_search.hpp"
 #include "mmlins/odometry/scan_result.hpp"
 #include "mmlins/odometry/trust.hpp"
 #include "mmlins/sensor/imu_buffer.hpp"
 #include "mmlins/sensor/rig.hpp"
-#include "mmlins/spatial/local_map.hpp"
 
 namespace mmlins::odometry {
 
@@ -59,6 +59,10 @@ class ScanTracker {
   /// Moves odom under everything: the pose becomes T_odom_imu, the map moves along.
   void call_the_pose(const math::SE3& T_odom_imu);
 
+  /// Offers a local map in place of the one that grew. It is laid under the robot, which does not move, with one of the
+  /// next scans that is tracked: if it explains that as well. A bridge forgets it.
+  void offer(RebuiltMap rebuilt) { offered_.emplace(std::move(rebuilt)); }
+
   [[nodiscard]] Time needs_imu_since() const;
 
  private:
@@ -104,6 +108,8 @@ class ScanTracker {
   };
   void grow_map(const lidar::Cloud& cloud_imu, bool returns, bool as_usual);
   void insert_into_map(const Placed& placed);
+  /// Takes the map on offer if it is complete and explains the scan that was just believed.
+  void consider_offer(const Prepared& prepared, ScanResult& result);
 
   OdometryConfig config_;
   sensor::Rig rig_;
@@ -111,7 +117,7 @@ class ScanTracker {
   imu::Estimate estimate_;
   imu::Estimate last_trusted_;
   math::SE3 T_odom_map_;
-  std::unique_ptr<spatial::LocalMap> map_;
+  LocalMapInPlace map_;
   TrustJudge judge_;
   MotionAgreement agreement_;
   double leaf_;
@@ -120,6 +126,7 @@ class ScanTracker {
   int num_insertions_ = 0;
   math::SE3 T_map_last_insertion_;
   std::optional<Trial> trial_;       ///< of a return
+  std::optional<MapOffer> offered_;
   std::optional<Placed> postponed_;  ///< enters the map if the next scan is believed
 };
 

@@ -14,8 +14,9 @@ constexpr std::size_t kMaxWaiting = 64;
 
 }  // namespace
 
-BackEnd::BackEnd(const mapping::MappingConfig& config, atlas::Atlas* atlas, const MakeMapper& make_mapper)
-    : tasks_(kMaxWaiting) {
+BackEnd::BackEnd(const mapping::MappingConfig& config, atlas::Atlas* atlas, const MakeMapper& make_mapper,
+                 std::optional<MapRebuilder> rebuilder)
+    : rebuilder_(std::move(rebuilder)), tasks_(kMaxWaiting) {
   if (atlas) {
     if (auto reader = atlas->reader()) {
       reader_.emplace(std::move(*reader));
@@ -45,6 +46,24 @@ void BackEnd::add(MappingTask task) {
   tasks_.push(std::move(task));
 }
 
+std::optional<odometry::RebuiltMap> BackEnd::rebuilt_after(int keyframe) {
+  if (!rebuilder_) return std::nullopt;
+  std::unique_lock lock(mutex_);
+  worked_off_.wait(lock, [&] { return num_keyframes_done_ > keyframe; });
+  rebuilt_.erase(rebuilt_.begin(), rebuilt_.lower_bound(keyframe));
+  auto found = rebuilt_.extract(keyframe);
+  if (found.empty()) return std::nullopt;
+  return std::move(found.mapped());
+}
+
+void BackEnd::hand_back(const keyframe::Keyframe& keyframe) {
+  auto rebuilt = rebuilder_->after(keyframe, *mapper_, *store_);
+  const std::lock_guard lock(mutex_);
+  if (rebuilt) rebuilt_.emplace(keyframe.id, std::move(*rebuilt));
+  num_keyframes_done_ = keyframe.id + 1;
+  worked_off_.notify_all();
+}
+
 void BackEnd::finish() {
   tasks_.close();
   if (worker_.joinable()) worker_.join();
@@ -63,6 +82,7 @@ void BackEnd::perform(const MappingTask& task) {
   } else if (const auto* added = std::get_if<NewKeyframe>(&task)) {
     note(store_->add(added->keyframe));
     mapper_->add(added->keyframe, added->pose_covariance);
+    if (rebuilder_) hand_back(*added->keyframe);
   } else if (const auto* bridge = std::get_if<Bridge>(&task)) {
     mapper_->bridge(bridge->covariance);
   } else {

@@ -115,8 +115,10 @@ ordered_json mapping_json(const RunResult& result) {
           {"closures", std::move(closures)},
           {"merges", std::count_if(mapping.merges.begin(), mapping.merges.end(), [](const auto& merge) { return !merge.undone; })},
           {"seconds", {{"submaps", 1e-3 * t.submaps}, {"describe", 1e-3 * t.describe}, {"recognise", 1e-3 * t.recognise},
-                       {"search", 1e-3 * t.search}, {"verify", 1e-3 * t.verify}, {"optimize", 1e-3 * t.optimize}}},
+                       {"search", 1e-3 * t.search}, {"verify", 1e-3 * t.verify}, {"optimize", 1e-3 * t.optimize},
+                       {"rebuild", 1e-3 * mapping.rebuild_ms}}},
           {"seconds_between_maps", 1e-3 * t.fusion},
+          {"rebuilt_local_maps", mapping.num_rebuilt},
           {"error", mapping.error}};
 }
 

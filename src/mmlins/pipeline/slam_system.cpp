@@ -2,6 +2,7 @@
 #include "mmlins/pipeline/slam_system.hpp"
 
 #include <cmath>
+#include <deque>
 #include <optional>
 #include <utility>
 
@@ -51,6 +52,17 @@ math::Matrix6d pose_covariance(const imu::Estimate& estimate) {
   return to_body * estimate.P.topLeftCorner<6, 6>() * to_body.transpose();
 }
 
+/// Systems that ours is compared with know nothing of it.
+bool feeds_back(const mapping::MappingConfig& config) {
+  const bool is_ours = config.fusion == mapping::FusionKind::kDefault || config.fusion == mapping::FusionKind::kOff;
+  return config.enabled && config.rebuild.enabled && is_ours;
+}
+
+std::optional<MapRebuilder> rebuilder(const SlamConfig& config, const sensor::Rig& rig) {
+  if (!feeds_back(config.mapping)) return std::nullopt;
+  return MapRebuilder(config.mapping, config.odometry, rig);
+}
+
 class Runner {
  public:
   Runner(const sensor::Rig& rig, const SlamConfig& config, const Observer& observer, atlas::Atlas* atlas)
@@ -58,7 +70,7 @@ class Runner {
         rig_(rig),
         odometry_(std::in_place, config.odometry, rig),
         builder_(config.mapping.keyframe),
-        back_end_(config.mapping, atlas),
+        back_end_(config.mapping, atlas, mapping::make_mapper, rebuilder(config, rig)),
         observer_(observer) {}
 
   RunResult run(sensor::Dataset& dataset);
@@ -75,6 +87,8 @@ class Runner {
   /// The IMU alone has carried the pose since the last scan that was placed.
   void hand_on_bridge(const math::Matrix6d& covariance);
   [[nodiscard]] bool is_far_carried(const math::Matrix6d& covariance) const;
+  /// Offers the odometry what the back end has made of a keyframe some time ago, always at the same keyframe.
+  void take_back();
   /// Hands on what was seen since the last keyframe.
   void finish_keyframe();
   /// Waits for the back end, and puts everything where it lies in the end.
@@ -89,6 +103,7 @@ class Runner {
   imu::Estimate last_placed_;
   std::optional<math::Matrix6d> bridged_;  ///< covariance of the pose that the IMU carries, since the last placed scan
   int latest_map_ = -1;
+  std::deque<keyframe::KeyframePointer> latest_;  ///< of the active map, of which the back end may still make something
   BackEnd back_end_;
   const Observer& observer_;
   RunResult result_;
@@ -155,6 +170,7 @@ void Runner::record(const odometry::ScanResult& result) {
   ScanRecord record = to_record(result, std::exchange(read_ms_, 0.0));
   record.T_map_imu = result.T_odom_map.inverse() * record.T_odom_imu;
   hand_on(result, record.T_map_imu);
+  if (result.map_rebuilt) ++result_.mapping.num_rebuilt;
   result_.scans.push_back(std::move(record));
   if (observer_ && !observer_(result_.scans.back(), progress_)) result_.interrupted = true;
 }
@@ -166,6 +182,7 @@ void Runner::begin_map(const odometry::MapRecord& map) {
   }
   latest_map_ = map.id;
   bridged_.reset();
+  latest_.clear();
   mapping::MapBegin begin{map.id, map.T_first_map, std::nullopt};
   if (map.gap && map.gap->is_known) begin.gap_covariance = map.gap->covariance;
   back_end_.add(BeginOfMap{begin, map});
@@ -194,6 +211,7 @@ void Runner::hand_on(const odometry::ScanResult& result, const math::SE3& T_map_
 void Runner::hand_on_bridge(const math::Matrix6d& covariance) {
   if (!is_far_carried(covariance)) return;
   finish_keyframe();
+  latest_.clear();
   back_end_.add(Bridge{covariance});
 }
 
@@ -208,7 +226,22 @@ void Runner::finish_keyframe() {
 
 void Runner::hand_on(keyframe::Keyframe keyframe, const imu::Estimate& estimate) {
   result_.mapping.keyframes.push_back({keyframe.time, keyframe.map_id, keyframe.T_map_imu, {}});
-  back_end_.add(NewKeyframe{std::make_shared<keyframe::Keyframe>(std::move(keyframe)), pose_covariance(estimate)});
+  const auto shared = std::make_shared<const keyframe::Keyframe>(std::move(keyframe));
+  back_end_.add(NewKeyframe{shared, pose_covariance(estimate)});
+  if (!feeds_back(config_.mapping)) return;
+  latest_.push_back(shared);
+  take_back();
+}
+
+void Runner::take_back() {
+  const auto after = static_cast<std::size_t>(config_.mapping.rebuild.after);
+  if (latest_.size() <= after) return;
+  const keyframe::KeyframePointer asked = latest_.front();
+  latest_.pop_front();
+  auto rebuilt = back_end_.rebuilt_after(asked->id);
+  if (!rebuilt || !odometry_) return;
+  for (const auto& since : latest_) rebuilt->to_come.push_back(placed_points(since, since->T_map_imu));
+  odometry_->offer(std::move(*rebuilt));
 }
 
 void Runner::settle() {
@@ -242,6 +275,7 @@ void Runner::take_from_mapper() {
   mapping.closures = mapper->closures();
   mapping.merges = mapper->merges();
   mapping.times = mapper->times();
+  mapping.rebuild_ms = back_end_.rebuild_ms();
   mapping.error = back_end_.error();
   for (int id = 0; id < static_cast<int>(mapping.keyframes.size()); ++id) {
     mapping.keyframes[static_cast<std::size_t>(id)].T_world_imu = mapper->map_graph().T_world_keyframe(id);

@@ -57,6 +57,8 @@ struct MappingResult {
   std::vector<mapping::Closure> closures;
   std::vector<mapping::Merge> merges;
   mapping::MapperTimes times;
+  double rebuild_ms = 0.0;      ///< spent on local maps for the odometry
+  int num_rebuilt = 0;          ///< of them, those that it took
   std::string error;            ///< of the store of keyframes; empty if there was none
 };
 

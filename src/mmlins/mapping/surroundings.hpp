@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+// Which keyframes the robot has around it, now that places were recognised: those that it comes from, and
+// those of other maps and other times. docs/math/mapping.md, "Back to the odometry".
+
+#include <vector>
+
+#include "mmlins/mapping/map_graph.hpp"
+
+namespace mmlins::mapping {
+
+/// A keyframe and where it lies in the frame that the odometry has for the active map.
+struct PlacedKeyframe {
+  int id = 0;
+  math::SE3 T_map_imu;
+};
+
+struct Surroundings {
+  std::vector<PlacedKeyframe>
+      known;                ///< that a map which grew along the way does not hold, or not in the right place
+  std::vector<int> recent;  ///< that it does hold: the way on which the robot came, the latest last
+};
+
+/// @param T_map_imu  of each keyframe as the odometry had it, up to the latest, which is where the robot is
+[[nodiscard]] Surroundings surroundings_of_latest(const MapGraph& graph,
+                                                  const std::vector<math::SE3>& T_map_imu,
+                                                  const RebuildConfig& config);
+
+}  // namespace mmlins::mapping
