@@ -61,12 +61,14 @@ struct MergeConfig {
 
 /// What goes back to the odometry once places were recognised.
 struct RebuildConfig {
-  bool enabled = true;
-  int after = 16;
+  bool enabled = false;
+  int after = 8;
   double near = 50.0;
   double recent = 50.0;
   double held_within = 30.0;
   double moved = 0.05;
+  double kept_within = 0.05;
+  double kept_within_deg = 0.2;
   double pause = 15.0;
   int min_known = 5;
   int max_keyframes = 150;

@@ -2,6 +2,7 @@
 #include "mmlins/mapping/surroundings.hpp"
 
 #include <algorithm>
+#include <numbers>
 #include <utility>
 
 #include "mmlins/base/check.hpp"
@@ -26,16 +27,24 @@ void keep_nearest(std::vector<PlacedKeyframe>& keyframes, const math::Vector3d& 
 
 }  // namespace
 
+SE3 place_world(const MapGraph& graph, const std::vector<SE3>& T_map_imu, const std::optional<SE3>& before,
+                const RebuildConfig& config) {
+  const SE3 T_world_latest = graph.T_world_keyframe(graph.num_keyframes() - 1);
+  if (before) {
+    const SE3 apart = T_map_imu.back().inverse() * *before * T_world_latest;
+    const double turned = math::so3_log(apart.R).norm() * 180.0 / std::numbers::pi;
+    if (apart.t.norm() <= config.kept_within && turned <= config.kept_within_deg) return *before;
+  }
+  return T_map_imu.back() * T_world_latest.inverse();
+}
+
 Surroundings surroundings_of_latest(const MapGraph& graph, const std::vector<SE3>& T_map_imu,
-                                    const RebuildConfig& config) {
+                                    const SE3& T_map_world, const RebuildConfig& config) {
   MMLINS_CHECK(!T_map_imu.empty() && static_cast<int>(T_map_imu.size()) == graph.num_keyframes());
   Surroundings result;
   const int latest = graph.num_keyframes() - 1;
   const int map = graph.map_of(latest), world = graph.world_of(map);
   const SE3& T_map_latest = T_map_imu.back();
-  // The frame of the active map is laid where its latest keyframe has come to lie: there the robot stays
-  // where it is.
-  const SE3 T_map_world = T_map_latest * graph.T_world_keyframe(latest).inverse();
   double farthest = 0.0;
   for (int id = latest; id >= 0; --id) {
     const SE3& T_grown = T_map_imu[static_cast<std::size_t>(id)];

@@ -91,6 +91,8 @@ struct RestartConfig {
 struct RebuiltMapConfig {
   double deviation = 0.05;
   double deviation_deg = 0.2;
+  double settle = 0.005;
+  double settle_deg = 0.03;
   double min_explained = 0.97;
   double max_residual = 1.1;
   int patience = 10;

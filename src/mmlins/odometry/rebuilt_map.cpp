@@ -93,9 +93,10 @@ bool align(LocalMapInPlace& local, const std::vector<Eigen::Vector3f>& points_im
   const math::SE3 T_shown_imu = update.estimate.state.T_odom_imu();
   const math::SE3 apart = T_map_imu.inverse() * T_shown_imu;
   constexpr double kMostDeviations = 3.0;
-  if (apart.t.norm() > kMostDeviations * limits.deviation ||
-      math::so3_log(apart.R).norm() > kMostDeviations * rotation)
-    return false;
+  const double shift = apart.t.norm(), turn = math::so3_log(apart.R).norm();
+  if (shift > kMostDeviations * limits.deviation || turn > kMostDeviations * rotation) return false;
+  // What one scan cannot tell is left to the next ones. Moved by it each time, the map would wander.
+  if (shift <= limits.settle && turn <= limits.settle_deg * kRadiansPerDegree) return true;
   local.T_map_cells = T_map_imu * T_shown_imu.inverse() * local.T_map_cells;
   return true;
 }

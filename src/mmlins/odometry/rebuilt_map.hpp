@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 // A local map made of keyframes where they lie once places were recognised, laid under the robot without
-// moving it: what moves is the map. docs/math/eskf.md, section 6.
+// moving it: what moves is the map. docs/math/mapping.md, "Back to the odometry".
 
 #include <deque>
 #include <memory>

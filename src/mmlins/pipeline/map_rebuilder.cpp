@@ -39,7 +39,10 @@ std::optional<odometry::RebuiltMap> MapRebuilder::after(const keyframe::Keyframe
                                                         keyframe::KeyframeStore& store) {
   if (!config_.enabled) return std::nullopt;
   T_map_imu_.push_back(keyframe.T_map_imu);
-  if (std::exchange(map_id_, keyframe.map_id) != keyframe.map_id) quiet_until_ = 0.0;
+  if (std::exchange(map_id_, keyframe.map_id) != keyframe.map_id) {
+    quiet_until_ = 0.0;
+    T_map_world_.reset();
+  }
   look_for_news(mapper);
   const double way = mapper.map_graph().odometer(keyframe.id);
   if (!has_news_ || way < quiet_until_) return std::nullopt;
@@ -53,7 +56,9 @@ std::optional<odometry::RebuiltMap> MapRebuilder::after(const keyframe::Keyframe
 
 std::optional<odometry::RebuiltMap> MapRebuilder::rebuild(const mapping::MapGraph& graph,
                                                           keyframe::KeyframeStore& store) {
-  const mapping::Surroundings around = mapping::surroundings_of_latest(graph, T_map_imu_, config_);
+  const math::SE3 T_map_world = mapping::place_world(graph, T_map_imu_, T_map_world_, config_);
+  const mapping::Surroundings around =
+      mapping::surroundings_of_latest(graph, T_map_imu_, T_map_world, config_);
   // What a merge brought that was taken back has to go, even if nothing comes in its place.
   if (!std::exchange(was_wrong_, false) && static_cast<int>(around.known.size()) < config_.min_known)
     return std::nullopt;
@@ -65,7 +70,9 @@ std::optional<odometry::RebuiltMap> MapRebuilder::rebuild(const mapping::MapGrap
   for (const int id : around.recent) {
     if (const auto loaded = store.load(id)) recent.push_back(placed_points(*loaded, (*loaded)->T_map_imu));
   }
-  return odometry::rebuild_map(known, recent, odometry_, rig_);
+  auto rebuilt = odometry::rebuild_map(known, recent, odometry_, rig_);
+  if (rebuilt) T_map_world_ = rebuilt->local.T_map_cells * T_map_world;
+  return rebuilt;
 }
 
 }  // namespace mmlins::pipeline

@@ -43,9 +43,10 @@ class MapRebuilder {
   long num_undone_ = 0;               ///< merges
   std::size_t num_merges_ = 0;
   int map_id_ = -1;
-  bool was_wrong_ = false;    ///< a merge was taken back since the last map was made
-  bool has_news_ = false;     ///< since the last map was made
-  double quiet_until_ = 0.0;  ///< odometer [m]
+  std::optional<math::SE3> T_map_world_;  ///< as the last map was made; none for the active map yet
+  bool was_wrong_ = false;                ///< a merge was taken back since the last map was made
+  bool has_news_ = false;                 ///< since the last map was made
+  double quiet_until_ = 0.0;              ///< odometer [m]
   double milliseconds_ = 0.0;
 };
 
