@@ -132,7 +132,6 @@ ScanResult ScanTracker::track(std::shared_ptr<const sensor::LidarScan> scan, con
   if (!verdict.trusted) {
     trial_.reset();
     postponed_.reset();
-    offered_.reset();
   } else if (on_trial) {
     trial_ = Trial{matched.update.estimate, trial_ ? trial_->since : result.time, trial_ ? trial_->num_scans + 1 : 1};
     result.state = TrackingState::kRelocating;
@@ -274,6 +273,7 @@ Verdict ScanTracker::judge(const Match& match, const Motion& carried, const sens
   if (!doubts_ || config_.detector != DetectorKind::kDefault) {
     if (match.has_update) judge_.learn(evidence);
     is_bridging_ = !match.has_update;
+    if (is_bridging_) offered_.reset();
     return {match.has_update, match.has_update         ? Cause::kNone
                               : result.num_points == 0 ? Cause::kNoPoints
                                                        : Cause::kTooFewMatches};
@@ -299,6 +299,7 @@ Verdict ScanTracker::judge(const Match& match, const Motion& carried, const sens
   }
   agreement_.clear();
   is_bridging_ = true;
+  offered_.reset();
   return verdict;
 }
 
