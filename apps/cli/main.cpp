@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <string>
+#include <string_view>
 
 #include "commands.hpp"
 #include "mmlins/base/log.hpp"
@@ -19,6 +21,9 @@ int fail(const Error& error) {
 
 namespace {
 
+/// What a program ends with when its command line cannot be understood.
+constexpr int kUsage = 2;
+
 /// One line for a command line that cannot be understood.
 std::string usage_error(const CLI::App* program, const CLI::Error& error) {
   const std::vector<CLI::App*> given = program->get_subcommands();
@@ -30,6 +35,8 @@ std::string usage_error(const CLI::App* program, const CLI::Error& error) {
                            : fmt::format("there is no command '{}'; commands are", unknown.front());
     for (const CLI::App* known : program->get_subcommands({})) what += " " + known->get_name();
   }
+  constexpr std::string_view kNoNumber = "Could not convert: ";
+  if (what.starts_with(kNoNumber)) what = "not a number: " + what.substr(kNoNumber.size());
   std::replace(what.begin(), what.end(), '\n', ' ');
   return fmt::format("mmlins: {}; see: {} --help\n", what, command);
 }
@@ -49,7 +56,11 @@ int run_program(int argc, char** argv) {
   add_maps(program, exit_code);
   add_view(program, exit_code);
   add_config(program, exit_code);
-  CLI11_PARSE(program, argc, argv);
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return program.exit(error) == 0 ? 0 : kUsage;  // 0: it was asked for help
+  }
   return exit_code;
 }
 

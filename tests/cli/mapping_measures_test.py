@@ -134,6 +134,8 @@ class Closures(unittest.TestCase):
     def test_what_it_leaves_open_is_not_held_against_it(self):
         off = closure(self.R, self.t + self.R @ np.array([5.0, 0.1, 0.0]), weak=[[1.0, 0.0, 0.0]])
         self.assertAlmostEqual(closure_error(off, self.run, self.truth).metres, 0.1)
+        unknown = self.run._replace(closures=[closure(self.R, self.t + 5.0)._replace(is_judgeable=False)])
+        self.assertEqual(false_closures(unknown, self.truth, ("counts", "confirmed")), [])
         information = np.diag([0.01, 1e4, 1e4, 1e6, 1e6, 1e6])
         self.assertLess(np.abs(np.abs(weak_directions(information)) - [[1.0, 0.0, 0.0]]).max(), 1e-6)
 

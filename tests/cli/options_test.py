@@ -37,6 +37,7 @@ class Refusals(unittest.TestCase):
         run = mmlins(*arguments, folder=self.folder)
         self.assertGreater(run.returncode, 0, arguments)
         self.assertEqual(run.stdout, "", arguments)
+        self.exit_code = run.returncode
         lines = run.stderr.strip().splitlines()
         self.assertEqual(len(lines), 1, run.stderr)
         self.assertTrue(lines[0].startswith("mmlins: "), lines[0])
@@ -71,12 +72,19 @@ class Options(Refusals):
         self.assertIn("--threads: Value two not in range", self.refused("run", "a.bag", "--threads", "two"))
         self.assertIn("--align: sim3 not in {se3,yaw,none}", self.refused("evaluate", "a", "b", "--align", "sim3"))
 
+    def test_a_command_line_that_cannot_be_understood_ends_with_2_and_bad_input_with_1(self):
+        for arguments in [(), ("frobnicate",), ("run",), ("run", "a.bag", "--threads", "two"), ("maps", ".", "show", "seven")]:
+            self.refused(*arguments)
+            self.assertEqual(self.exit_code, 2, arguments)
+        self.refused("run", "missing.bag")
+        self.assertEqual(self.exit_code, 1)
+
     def test_maps_names_what_it_lacks(self):
         self.assertIn("folder", self.refused("maps"))
         self.refused("maps", ".")
         for command in ["show", "export", "delete", "unmerge"]:
             self.assertIn("id", self.refused("maps", ".", command))
-            self.assertIn("seven", self.refused("maps", ".", command, "seven"))
+            self.assertIn("not a number: id = seven", self.refused("maps", ".", command, "seven"))
 
     def test_help_and_version_are_no_errors(self):
         for arguments in [["--help"], ["--version"], *[[command, "--help"] for command in COMMANDS]]:

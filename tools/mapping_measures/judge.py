@@ -90,7 +90,7 @@ def closure_error(closure: Closure, run: Run, truth: Track) -> Error:
 def false_closures(run: Run, truth: Track, states: tuple[str, ...]) -> list[dict]:
     found = []
     for closure in run.closures:
-        if closure.state in states and is_false(error := closure_error(closure, run, truth)):
+        if closure.state in states and closure.is_judgeable and is_false(error := closure_error(closure, run, truth)):
             found.append({"id": closure.id, "state": closure.state, "maps": [closure.source_map, closure.target_map],
                           "metres": error.metres, "degrees": error.degrees, "reason": closure.reason})
     return found

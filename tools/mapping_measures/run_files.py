@@ -25,6 +25,7 @@ class Closure(NamedTuple):
     R: np.ndarray  # T_target_source
     t: np.ndarray
     weak: np.ndarray  # k x 3: directions in the source's frame that it leaves open
+    is_judgeable: bool = True  # what it leaves open is known
 
 
 class Run(NamedTuple):
@@ -92,7 +93,8 @@ def closure_of(row: dict, information: dict[tuple[int, int], np.ndarray]) -> Clo
     q = np.array([[float(row[key]) for key in ("qx", "qy", "qz", "qw")]])
     return Closure(int(row["id"]), source, target, int(row["source_map"]), int(row["target_map"]), row["state"],
                    row["reason"], rotations(q)[0], np.array([float(row[key]) for key in "xyz"]),
-                   weak_directions(information.get((target, source))))
+                   weak_directions(information.get((target, source))),
+                   (target, source) in information or "0 of 6 directions undetermined" in row["reason"])
 
 
 def weak_directions(information: np.ndarray | None, weak_std: float = 0.3) -> np.ndarray:
