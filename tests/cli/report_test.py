@@ -70,7 +70,7 @@ class Data(unittest.TestCase):
                     "imu_samples_not_later", "clock_jumps_back", "interrupted", "read_error", "duration_s", "path_length_m",
                     "map_points", "stages", "wall_s", "real_time_factor"):
             self.assertEqual(figures[key], self.summary[key], key)
-        for key in ("keyframes", "closures", "merges", "seconds"):
+        for key in ("keyframes", "closures", "merges", "seconds", "seconds_between_maps", "rebuilt_local_maps"):
             self.assertEqual(figures["mapping"][key], self.summary["mapping"][key], key)
         self.assertGreaterEqual(figures["peak_memory_mib"], self.summary["peak_memory_mib"])  # taken later
         self.assertEqual(sum(figures["histogram"]["counts"]), self.summary["scans"])

@@ -18,7 +18,7 @@
 #include "mmlins/graph/g2o.hpp"
 #include "mmlins/io/pcd_file.hpp"
 #include "mmlins/pipeline/mapping_files.hpp"
-#include "mmlins/pipeline/scan_stages.hpp"
+#include "mmlins/pipeline/stages.hpp"
 
 namespace mmlins::pipeline {
 namespace {
@@ -110,14 +110,13 @@ ordered_json mapping_json(const RunResult& result) {
     closures[std::string(to_string(state))] = std::count_if(mapping.closures.begin(), mapping.closures.end(),
                                                             [&](const auto& closure) { return closure.state == state; });
   }
-  const mmlins::mapping::MapperTimes& t = mapping.times;
+  ordered_json seconds;
+  for (const BackEndStage& stage : kBackEndStages) seconds[stage.name] = 1e-3 * stage.of(mapping);
   return {{"keyframes", mapping.keyframes.size()},
           {"closures", std::move(closures)},
           {"merges", std::count_if(mapping.merges.begin(), mapping.merges.end(), [](const auto& merge) { return !merge.undone; })},
-          {"seconds", {{"submaps", 1e-3 * t.submaps}, {"describe", 1e-3 * t.describe}, {"recognise", 1e-3 * t.recognise},
-                       {"search", 1e-3 * t.search}, {"verify", 1e-3 * t.verify}, {"optimize", 1e-3 * t.optimize},
-                       {"rebuild", 1e-3 * mapping.rebuild_ms}}},
-          {"seconds_between_maps", 1e-3 * t.fusion},
+          {"seconds", std::move(seconds)},
+          {"seconds_between_maps", 1e-3 * mapping.times.fusion},
           {"rebuilt_local_maps", mapping.num_rebuilt},
           {"error", mapping.error}};
 }

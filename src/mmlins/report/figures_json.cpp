@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <array>
 
-#include "mmlins/pipeline/scan_stages.hpp"
+#include "mmlins/pipeline/stages.hpp"
 #include "mmlins/report/report_data.hpp"
 
 namespace mmlins::report {
@@ -46,13 +46,14 @@ ordered_json back_end_json(const pipeline::MappingResult& mapping) {
     closures[std::string(to_string(state))] =
         std::count_if(mapping.closures.begin(), mapping.closures.end(), [&](const auto& c) { return c.state == state; });
   }
-  const mapping::MapperTimes& t = mapping.times;
+  ordered_json seconds;
+  for (const pipeline::BackEndStage& stage : pipeline::kBackEndStages) seconds[stage.name] = 1e-3 * stage.of(mapping);
   return {{"keyframes", mapping.keyframes.size()},
           {"closures", std::move(closures)},
           {"merges", std::count_if(mapping.merges.begin(), mapping.merges.end(), [](const auto& merge) { return !merge.undone; })},
-          {"seconds", {{"submaps", 1e-3 * t.submaps}, {"describe", 1e-3 * t.describe}, {"recognise", 1e-3 * t.recognise},
-                       {"search", 1e-3 * t.search}, {"verify", 1e-3 * t.verify}, {"optimize", 1e-3 * t.optimize}}},
-          {"seconds_between_maps", 1e-3 * t.fusion}};
+          {"seconds", std::move(seconds)},
+          {"seconds_between_maps", 1e-3 * mapping.times.fusion},
+          {"rebuilt_local_maps", mapping.num_rebuilt}};
 }
 
 }  // namespace
