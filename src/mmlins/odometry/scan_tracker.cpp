@@ -318,7 +318,9 @@ void ScanTracker::believe(const imu::Estimate& updated, const imu::Estimate& pre
 }
 
 void ScanTracker::call_the_pose(const math::SE3& T_odom_imu) {
-  const math::SE3 T_new_odom = T_odom_imu * estimate_.state.T_odom_imu().inverse();
+  math::SE3 T_new_odom = T_odom_imu * estimate_.state.T_odom_imu().inverse();
+  // Rounding would otherwise triple with every map: after sixteen of them it is no rotation any more.
+  T_new_odom.R = math::nearest_rotation(T_new_odom.R);
   estimate_ = imu::transformed(T_new_odom, estimate_);
   last_trusted_ = imu::transformed(T_new_odom, last_trusted_);
   if (trial_) trial_->estimate = imu::transformed(T_new_odom, trial_->estimate);
