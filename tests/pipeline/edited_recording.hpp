@@ -25,21 +25,24 @@ struct Recording {
   int num_scans = 0;
 };
 
+/// The demo, changed by some settings.
+inline Recording simulated(const std::vector<std::string>& settings) {
+  const auto config = sim::load_scenario("demo", settings);
+  EXPECT_TRUE(config.ok());
+  sim::Simulation simulation(*config);
+  Recording recording{simulation.rig(), {}, simulation.truth(200.0), 0};
+  while (true) {
+    auto item = simulation.next();
+    if (!item.ok() || std::holds_alternative<sensor::EndOfData>(*item)) return recording;
+    recording.num_scans += std::holds_alternative<sensor::LidarScan>(*item);
+    recording.items.push_back(std::move(*item));
+  }
+}
+
 /// Eight seconds in the hall of the demo, the first two at rest, with some 2000 points per scan.
 inline const Recording& recording() {
-  static const Recording made = [] {
-    const auto config = sim::load_scenario(
-        "demo", {"duration=8", "trajectory.stand_still=2", "sensor.columns=160", "sensor.model=vlp16"});
-    EXPECT_TRUE(config.ok());
-    sim::Simulation simulation(*config);
-    Recording recording{simulation.rig(), {}, simulation.truth(200.0), 0};
-    while (true) {
-      auto item = simulation.next();
-      if (!item.ok() || std::holds_alternative<sensor::EndOfData>(*item)) return recording;
-      recording.num_scans += std::holds_alternative<sensor::LidarScan>(*item);
-      recording.items.push_back(std::move(*item));
-    }
-  }();
+  static const Recording made =
+      simulated({"duration=8", "trajectory.stand_still=2", "sensor.columns=160", "sensor.model=vlp16"});
   return made;
 }
 

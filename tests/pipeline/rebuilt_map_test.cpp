@@ -13,19 +13,7 @@ namespace mmlins::pipeline {
 namespace {
 
 const Recording& two_rounds() {
-  static const Recording made = [] {
-    auto config =
-        sim::load_scenario("demo", {"duration=64", "trajectory.stand_still=1.5", "sensor.columns=120"});
-    EXPECT_TRUE(config.ok());
-    sim::Simulation simulation(*config);
-    Recording recording{simulation.rig(), {}, simulation.truth(200.0), 0};
-    while (true) {
-      auto item = simulation.next();
-      if (!item.ok() || std::holds_alternative<sensor::EndOfData>(*item)) return recording;
-      recording.num_scans += std::holds_alternative<sensor::LidarScan>(*item);
-      recording.items.push_back(std::move(*item));
-    }
-  }();
+  static const Recording made = simulated({"duration=64", "trajectory.stand_still=1.5", "sensor.columns=120"});
   return made;
 }
 
