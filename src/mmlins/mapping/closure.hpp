@@ -36,6 +36,8 @@ struct Closure {
   int target = 0;
   int source_map = 0;
   int target_map = 0;
+  int source_begin = 0;  ///< first keyframe of the submap around each: the same, however far it has grown
+  int target_begin = 0;
   Time time;       ///< when it was found: that of the latest keyframe then
   ClosureOrigin origin = ClosureOrigin::kPredicted;
   ClosureState state = ClosureState::kRefused;

@@ -152,6 +152,8 @@ Closure* Mapper::examine(const View& view, const PlaceCandidate& candidate) {
   closure.target = target.id;
   closure.source_map = view.record.map_id;
   closure.target_map = target.map_id;
+  closure.source_begin = view.record.first_keyframe;
+  closure.target_begin = target.first_keyframe;
   closure.time = worlds_.now;
   closure.origin = candidate.origin;
   closure.state = verdict.accepted ? ClosureState::kWaiting : ClosureState::kRefused;

@@ -5,6 +5,9 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <iterator>
+#include <map>
+#include <numeric>
 #include <utility>
 
 #include "mmlins/base/log.hpp"
@@ -33,49 +36,86 @@ bool stands_for_it(const Closure& closure) {
   return closure.state == ClosureState::kCounts || closure.state == ClosureState::kConfirmed;
 }
 
+/// The same for all looks at two places, however far the submaps had grown.
+std::pair<int, int> places_of(const Closure& closure) { return std::minmax(closure.source_begin, closure.target_begin); }
+
+double weight_of(const std::vector<Placement>& placements) {
+  return std::accumulate(placements.begin(), placements.end(), 0.0,
+                         [](double sum, const Placement& placement) { return sum + placement.weight; });
+}
+
 }  // namespace
+
+std::vector<Placement> WorldMerger::placements_of(const std::vector<int>& closures,
+                                                  const std::function<bool(int map)>& moves) const {
+  std::map<std::pair<int, int>, int> num_looks;
+  for (const int id : closures) ++num_looks[places_of(worlds_.closure(id))];
+  std::vector<Placement> placements;
+  for (const int id : closures) {
+    const Closure& closure = worlds_.closure(id);
+    placements.push_back(worlds_.placement_of(closure, moves(closure.source_map)));
+    placements.back().weight /= num_looks[places_of(closure)];
+  }
+  return placements;
+}
+
+std::vector<int> WorldMerger::last_looks(const std::vector<int>& closures) const {
+  std::map<std::pair<int, int>, int> last;
+  for (const int id : closures) last[places_of(worlds_.closure(id))] = id;
+  std::vector<int> ids;
+  std::copy_if(closures.begin(), closures.end(), std::back_inserter(ids),
+               [&](int id) { return last[places_of(worlds_.closure(id))] == id; });
+  return ids;
+}
 
 WorldMerger::Case WorldMerger::strongest_case(const std::vector<int>& closures,
                                               const std::vector<Placement>& placements) const {
   Case one;
-  double first_way = 0.0, last_way = 0.0;
+  std::vector<int> members;
+  double first_way = 0.0, last_way = 0.0, most_overlap = 0.0;
   for (const std::size_t i : largest_agreement(placements, config_.merge)) {
-    const bool is_first = one.closures.empty();
+    const Closure& closure = worlds_.closure(closures[i]);
+    const bool is_first = members.empty();
     first_way = is_first ? placements[i].source_way : std::min(first_way, placements[i].source_way);
     last_way = is_first ? placements[i].source_way : std::max(last_way, placements[i].source_way);
     one.weight += placements[i].weight;
-    if (is_first || placements[i].weight > one.best.weight) one.best = placements[i];
-    one.closures.push_back(closures[i]);
+    if (is_first || closure.overlap > most_overlap) {
+      one.best = placements[i];
+      most_overlap = closure.overlap;
+    }
+    members.push_back(closures[i]);
     // One place may look like another; two that lie to each other as they should seldom do.
-    one.has_two_targets = one.has_two_targets ||
-                          worlds_.closure(closures[i]).target != worlds_.closure(one.closures.front()).target;
+    one.has_two_targets = one.has_two_targets || closure.target != worlds_.closure(members.front()).target;
   }
   one.span = last_way - first_way;
+  one.closures = last_looks(members);
+  std::set_difference(members.begin(), members.end(), one.closures.begin(), one.closures.end(),
+                      std::back_inserter(one.repeated));
   return one;
 }
 
 std::optional<Merge> WorldMerger::try_to_merge(int world_a, int world_b) {
   const int into = std::min(world_a, world_b), world = std::max(world_a, world_b);
-  std::vector<Placement> placements;
   std::vector<int> ids;
-  double total = 0.0;
   for (const Closure& closure : worlds_.closures) {
-    if (closure.state != ClosureState::kWaiting || !worlds_.is_between(closure, into, world)) continue;
-    placements.push_back(worlds_.placement_of(closure, worlds_.graph.world_of(closure.source_map) == world));
-    total += closure.overlap;
-    ids.push_back(closure.id);
+    if (closure.state == ClosureState::kWaiting && worlds_.is_between(closure, into, world)) ids.push_back(closure.id);
   }
-  Case one = strongest_case(ids, placements);
+  const auto placements = placements_of(ids, [&](int map) { return worlds_.graph.world_of(map) == world; });
+  const Case one = strongest_case(ids, placements);
   if (one.closures.empty() || !is_enough(one, into, world)) return std::nullopt;
   // Others tell another story: wait until one of them is clearly the longer.
-  if (total - one.weight > kRivalShare * one.weight) return std::nullopt;
+  if (weight_of(placements) - one.weight > kRivalShare * one.weight) return std::nullopt;
   Merge merge;
-  merge.closures = std::move(one.closures);
+  merge.closures = one.closures;
   merge.world = world;
   merge.into = into;
   merge.prior_known = worlds_.graph.are_connected(into, world);
   merge.T_new_old = one.best.T_into_world;
-  if (commit(merge)) return merge;
+  const bool fits = commit(merge);
+  // The evidence so far is spent; only new closures may try again.
+  const ClosureState spent = fits ? ClosureState::kConfirmed : ClosureState::kRejected;
+  for (const int id : one.repeated) worlds_.closure(id).state = spent;
+  if (fits) return merge;
   log::info("maps {} and {} stay apart: joined, they do not fit", into, world);
   return std::nullopt;
 }
@@ -114,11 +154,13 @@ bool WorldMerger::sees_through(const Closure& closure) const {
 }
 
 int WorldMerger::num_seen_through(int into, int world, const Placement& like) const {
-  return static_cast<int>(std::count_if(worlds_.closures.begin(), worlds_.closures.end(), [&](const Closure& closure) {
-    if (!sees_through(closure) || !worlds_.is_between(closure, into, world)) return false;
+  std::vector<int> ids;
+  for (const Closure& closure : worlds_.closures) {
+    if (!sees_through(closure) || !worlds_.is_between(closure, into, world)) continue;
     const bool source_moves = worlds_.graph.world_of(closure.source_map) == world;
-    return agree(worlds_.placement_of(closure, source_moves), like, config_.merge);
-  }));
+    if (agree(worlds_.placement_of(closure, source_moves), like, config_.merge)) ids.push_back(closure.id);
+  }
+  return static_cast<int>(last_looks(ids).size());
 }
 
 bool WorldMerger::commit(Merge& merge) {
@@ -162,33 +204,31 @@ std::vector<int> WorldMerger::merges_between(const Closure& closure) const {
 
 void WorldMerger::review(int merge_id) {
   const Merge& merge = worlds_.merges[static_cast<std::size_t>(merge_id)];
-  std::vector<Placement> rivals;
-  std::vector<int> rival_ids;
-  double support = 0.0;
-  int num_support = 0, num_seen_through = 0;
+  const auto moves = [&](int map) { return contains(merge.moved_maps, map); };
+  std::vector<int> rivals, support, seen_through;
   for (const Closure& closure : worlds_.closures) {
     if (!is_across(merge, closure)) continue;
-    const Placement placement = worlds_.placement_of(closure, contains(merge.moved_maps, closure.source_map));
     if (stands_for_it(closure)) {
-      support += closure.overlap;
-      ++num_support;
+      support.push_back(closure.id);
     } else if (closure.contradicts) {
-      rivals.push_back(placement);
-      rival_ids.push_back(closure.id);
+      rivals.push_back(closure.id);
     } else if (sees_through(closure)) {
+      const Placement placement = worlds_.placement_of(closure, moves(closure.source_map));
       Placement as_it_lies = placement;
       as_it_lies.T_into_world = {};
-      num_seen_through += agree(placement, as_it_lies, config_.merge) ? 1 : 0;
+      if (agree(placement, as_it_lies, config_.merge)) seen_through.push_back(closure.id);
     }
   }
+  const auto num_support = static_cast<int>(last_looks(support).size());
+  const auto num_seen_through = static_cast<int>(last_looks(seen_through).size());
   if (num_seen_through >= config_.merge.num_agreeing && kOutvoted * num_seen_through >= num_support) {
     dissolve(merge_id, fmt::format("{} closures see through walls, {} fit", num_seen_through, num_support));
     return;
   }
-  const Case other = strongest_case(rival_ids, rivals);
+  const Case other = strongest_case(rivals, placements_of(rivals, moves));
   const auto num_against = static_cast<int>(other.closures.size());
   if (num_against < config_.merge.num_agreeing || !other.has_two_targets || other.span < config_.merge.min_span) return;
-  if (other.weight <= kRivalShare * support) return;
+  if (other.weight <= kRivalShare * weight_of(placements_of(support, moves))) return;
   const double apart = (other.best.T_into_world * other.best.p_world - other.best.p_world).norm();
   dissolve(merge_id, fmt::format("{} closures agree that they lie {:.2f} m elsewhere, {} stand for it", num_against, apart,
                                  num_support));

@@ -3,6 +3,7 @@
 // Makes two worlds one when several closures agree on it, and takes that back when it turns out to be wrong.
 // docs/math/mapping.md, "Two maps become one".
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,13 +28,19 @@ class WorldMerger {
  private:
   /// Closures that tell the same story.
   struct Case {
-    std::vector<int> closures;
+    std::vector<int> closures;  ///< the last look at each two places
+    std::vector<int> repeated;  ///< looks at the same places before
     Placement best;       ///< of the one with most overlap
     double weight = 0.0;
     double span = 0.0;    ///< way over which they were found [m]
     bool has_two_targets = false;
   };
   [[nodiscard]] Case strongest_case(const std::vector<int>& closures, const std::vector<Placement>& placements) const;
+  /// Looks at the same two places share the weight of one.
+  [[nodiscard]] std::vector<Placement> placements_of(const std::vector<int>& closures,
+                                                     const std::function<bool(int map)>& moves) const;
+  /// Of these, the last look at each two places.
+  [[nodiscard]] std::vector<int> last_looks(const std::vector<int>& closures) const;
   [[nodiscard]] bool is_enough(const Case& one, int into, int world) const;
   /// How often a merge of these two was taken back.
   [[nodiscard]] int num_undone(int into, int world) const;
