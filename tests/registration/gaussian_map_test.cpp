@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "tests/registration/drawn_submaps.hpp"
@@ -64,6 +65,45 @@ TEST(GaussianMap, PointsAllOverACellAreNoSurface) {
     // Few points may be flat by chance; of more than forty at least some are anywhere.
     EXPECT_TRUE(cell.num_points <= 40 || cell.num_thin == 0);
   }
+}
+
+/// What match() promises, by the book.
+const SurfaceCell* nearest_of_all(const GaussianMap& map, const Vector3d& point, double gate) {
+  const SurfaceCell* best = nullptr;
+  double least = gate * gate;
+  for (const SurfaceCell& cell : map.cells()) {
+    const Vector3d d = cell.axes.transpose() * (point - cell.mean);
+    const double across = d.head(cell.num_thin).norm(), along = d.tail(3 - cell.num_thin).norm();
+    const double beyond = std::max(0.0, along - 0.75 * map.cell_size());
+    const double cost = across * across + beyond * beyond;
+    if (cost >= least) continue;
+    least = cost;
+    best = &cell;
+  }
+  return best;
+}
+
+// A cell farther off than its neighbours begins a cell away, a quarter of one beyond the end of its surface:
+// with a gate of less than that, only neighbours can match.
+TEST(GaussianMap, FindsAmongNeighboursWhatALookAtAllSurfacesFinds) {
+  const GaussianMap map(drawn_submap(drawn_room(), {}, 0.01, 1).points, 1.0, {});
+  math::Random random(7);
+  int matched = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const Vector3d point(random.uniform(-12, 12), random.uniform(-12, 12), random.uniform(-3, 5));
+    const auto match = map.match(point, 0.2, 1.0);
+    const SurfaceCell* nearest = nearest_of_all(map, point, 0.2);
+    ASSERT_EQ(match ? match->cell : nullptr, nearest) << point.transpose();
+    matched += nearest != nullptr ? 1 : 0;
+  }
+  EXPECT_GT(matched, 100);
+}
+
+TEST(GaussianMap, KnowsTheCellOfEachOfItsSurfaces) {
+  const GaussianMap map(drawn_submap(drawn_room(), {}, 0.01, 1).points, 1.0, {});
+  ASSERT_GT(map.cells().size(), 100U);
+  for (const SurfaceCell& cell : map.cells()) EXPECT_EQ(map.at(cell.mean), &cell);
+  EXPECT_EQ(map.at({500, 500, 0}), nullptr);
 }
 
 }  // namespace

@@ -2,22 +2,25 @@
 #include "mmlins/registration/gaussian_map.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
+#include <numeric>
+
+#include "mmlins/spatial/voxel_table.hpp"
 
 namespace mmlins::registration {
 
 namespace {
 
+using math::CellIndex;
 using math::Matrix3d;
 using math::Vector3d;
 
 // A pole stands: lines that lie are the rings of a scanner on the ground more often than anything real.
 constexpr double kUpright = 0.85;
-
-struct Moments {
-  Vector3d sum = Vector3d::Zero();
-  Matrix3d outer = Matrix3d::Zero();
-};
+// The grid is shifted against the origin, so that a floor or wall at a round coordinate does not run along
+// the faces of the cells.
+constexpr double kShift = 0.381966;
 
 int num_thin_axes(const SurfaceCell& cell, double cell_size, const SurfaceConfig& config) {
   const double max_variance = config.max_thickness * config.max_thickness;
@@ -29,19 +32,16 @@ int num_thin_axes(const SurfaceCell& cell, double cell_size, const SurfaceConfig
   return is_pole && std::abs(cell.axes(2, 2)) > kUpright ? 2 : 0;
 }
 
-void fit(SurfaceCell& cell, const Moments& moments, double cell_size, const SurfaceConfig& config) {
-  if (cell.num_points < config.min_points) return;
-  const Vector3d mean = moments.sum / cell.num_points;  // relative to cell.mean, which is the first point
-  const Matrix3d scatter = moments.outer / cell.num_points - mean * mean.transpose();
-  Eigen::SelfAdjointEigenSolver<Matrix3d> solver;
-  solver.computeDirect(scatter);
-  cell.mean += mean;
-  cell.axes = solver.eigenvectors();
-  cell.variances = solver.eigenvalues().cwiseMax(0.0);
-  cell.num_thin = num_thin_axes(cell, cell_size, config);
-}
-
 }  // namespace
+
+/// Sums over the points of a cell, relative to the first one.
+struct GaussianMap::Moments {
+  CellIndex cell = CellIndex::Zero();
+  int num_points = 0;
+  Vector3d first = Vector3d::Zero();
+  Vector3d sum = Vector3d::Zero();
+  Matrix3d outer = Matrix3d::Zero();
+};
 
 Fields SurfaceConfig::fields() {
   return {
@@ -58,56 +58,124 @@ Fields SurfaceConfig::fields() {
 
 GaussianMap::GaussianMap(std::span<const Eigen::Vector3f> points, double cell_size,
                          const SurfaceConfig& config)
-    : cells_(cell_size) {
-  std::vector<Moments> moments;
+    : cell_size_(cell_size), inverse_size_(1.0 / cell_size) {
+  std::vector<SurfaceCell> cells;
+  std::vector<CellIndex> places;
+  for (const Moments& moments : moments_of(points)) {
+    if (moments.num_points < config.min_points) continue;
+    const Vector3d mean = moments.sum / moments.num_points;
+    const Matrix3d scatter = moments.outer / moments.num_points - mean * mean.transpose();
+    Eigen::SelfAdjointEigenSolver<Matrix3d> solver;
+    solver.computeDirect(scatter);
+    SurfaceCell cell{moments.first + mean, solver.eigenvectors(), solver.eigenvalues().cwiseMax(0.0),
+                     moments.num_points};
+    cell.num_thin = num_thin_axes(cell, cell_size, config);
+    if (cell.num_thin == 0) continue;
+    cells.push_back(cell);
+    places.push_back(moments.cell);
+  }
+  sort_into_columns(cells, places);
+}
+
+CellIndex GaussianMap::cell_of(const Vector3d& point) const {
+  const auto floor =
+      [&](double coordinate) {  // std::floor is a call where processors have no instruction for it
+        const double place = coordinate * inverse_size_ + kShift;
+        const int towards_zero = static_cast<int>(place);
+        return towards_zero - (static_cast<double>(towards_zero) > place ? 1 : 0);
+      };
+  return {floor(point.x()), floor(point.y()), floor(point.z())};
+}
+
+std::vector<GaussianMap::Moments> GaussianMap::moments_of(std::span<const Eigen::Vector3f> points) const {
+  spatial::VoxelTable<Moments> table(cell_size_);
   for (const Eigen::Vector3f& point : points) {
     const Vector3d p = point.cast<double>();
-    const std::uint32_t id = cells_.find_or_add(cells_.index_of(p));
-    moments.resize(cells_.payloads().size());
-    SurfaceCell& cell = cells_.payloads()[id];
-    if (cell.num_points == 0) cell.mean = p;
-    const Vector3d d = p - cell.mean;
-    moments[id].sum += d;
-    moments[id].outer += d * d.transpose();
-    ++cell.num_points;
+    const CellIndex cell = cell_of(p);
+    Moments& moments = table.payloads()[table.find_or_add(cell)];
+    if (moments.num_points == 0) {
+      moments.cell = cell;
+      moments.first = p;
+    }
+    const Vector3d d = p - moments.first;
+    moments.sum += d;
+    moments.outer += d * d.transpose();
+    ++moments.num_points;
   }
-  for (std::size_t i = 0; i < moments.size(); ++i) fit(cells_.payloads()[i], moments[i], cell_size, config);
+  return std::move(table.payloads());
+}
+
+void GaussianMap::sort_into_columns(const std::vector<SurfaceCell>& cells,
+                                    const std::vector<CellIndex>& places) {
+  if (cells.empty()) return;
+  CellIndex high = places.front();
+  corner_ = places.front();
+  for (const CellIndex& place : places) {
+    corner_ = corner_.cwiseMin(place);
+    high = high.cwiseMax(place);
+  }
+  extent_ = high - corner_ + CellIndex::Ones();
+  begins_.assign(column_of(extent_.x(), 0) + 1, 0);
+  const auto column = [&](const CellIndex& place) {
+    return column_of(place.x() - corner_.x(), place.y() - corner_.y());
+  };
+  for (const CellIndex& place : places) ++begins_[column(place) + 1];
+  std::partial_sum(begins_.begin(), begins_.end(), begins_.begin());
+  std::vector<std::uint32_t> next(begins_);
+  cells_.resize(cells.size());
+  shapes_.resize(cells.size());
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const std::uint32_t to = next[column(places[i])]++;
+    cells_[to] = cells[i];
+    const bool is_plane = cells[i].num_thin == 1;
+    shapes_[to] = {cells[i].mean, cells[i].axes.col(is_plane ? 0 : 2), places[i].z(), is_plane};
+  }
 }
 
 const SurfaceCell* GaussianMap::at(const Vector3d& point) const {
-  const std::int64_t id = cells_.find(cells_.index_of(point));
-  if (id < 0) return nullptr;
-  const SurfaceCell& cell = cells_.payloads()[static_cast<std::size_t>(id)];
-  return cell.num_thin > 0 ? &cell : nullptr;
+  const CellIndex cell = cell_of(point);
+  const CellIndex place = cell - corner_;
+  if ((place.array() < 0).any() || (place.array() >= extent_.array()).any()) return nullptr;
+  const std::size_t column = column_of(place.x(), place.y());
+  for (std::uint32_t i = begins_[column]; i < begins_[column + 1]; ++i) {
+    if (shapes_[i].z == cell.z()) return &cells_[i];
+  }
+  return nullptr;
 }
 
 std::optional<SurfaceMatch> GaussianMap::match(const Vector3d& point, double gate, double reach) const {
-  const double margin = reach * cell_size();
-  const spatial::CellIndex low = cells_.index_of(point - Vector3d::Constant(margin));
-  const spatial::CellIndex high = cells_.index_of(point + Vector3d::Constant(margin));
-  std::optional<SurfaceMatch> best;
-  double best_cost = gate * gate;
-  for (int x = low.x(); x <= high.x(); ++x) {
-    for (int y = low.y(); y <= high.y(); ++y) {
-      for (int z = low.z(); z <= high.z(); ++z) {
-        const std::int64_t id = cells_.find({x, y, z});
-        if (id < 0) continue;
-        const SurfaceCell& cell = cells_.payloads()[static_cast<std::size_t>(id)];
-        if (cell.num_thin == 0) continue;
-        const Vector3d d = cell.axes.transpose() * (point - cell.mean);
-        const bool is_plane = cell.num_thin == 1;
-        const double across2 = d.x() * d.x() + (is_plane ? 0.0 : d.y() * d.y());
-        // A surface ends near its cell: what is beyond is judged by how far beyond it is.
-        const double along = std::sqrt(d.z() * d.z() + (is_plane ? d.y() * d.y() : 0.0));
-        const double beyond = std::max(0.0, along - 0.75 * cell_size());
-        const double cost = across2 + beyond * beyond;
-        if (cost >= best_cost) continue;
-        best_cost = cost;
-        best = SurfaceMatch{&cell, std::sqrt(across2)};
-      }
+  const Vector3d margin = Vector3d::Constant(reach * cell_size_);
+  const CellIndex low = cell_of(point - margin), high = cell_of(point + margin);
+  const int low_y = std::max(low.y() - corner_.y(), 0),
+            high_y = std::min(high.y() - corner_.y(), extent_.y() - 1);
+  const int low_x = std::max(low.x() - corner_.x(), 0),
+            high_x = std::min(high.x() - corner_.x(), extent_.x() - 1);
+  if (low_y > high_y) return std::nullopt;
+  const double width = 0.75 * cell_size_;
+  const SurfaceCell* best = nullptr;
+  double best_cost = gate * gate, best_across2 = 0.0;
+  for (int x = low_x; x <= high_x; ++x) {
+    const std::uint32_t end = begins_[column_of(x, high_y) + 1];
+    for (std::uint32_t i = begins_[column_of(x, low_y)]; i < end; ++i) {
+      const Shape& shape = shapes_[i];
+      if (shape.z < low.z() || shape.z > high.z()) continue;
+      const Vector3d d = point - shape.mean;
+      const double on_axis = shape.axis.dot(d);
+      const double on_axis2 = on_axis * on_axis, rest2 = std::max(0.0, d.squaredNorm() - on_axis2);
+      const double across2 = shape.is_plane ? on_axis2 : rest2;
+      if (across2 >= best_cost) continue;
+      // A surface ends near its cell: what is beyond is judged by how far beyond it is.
+      const double along2 = shape.is_plane ? rest2 : on_axis2;
+      const double beyond = along2 > width * width ? std::sqrt(along2) - width : 0.0;
+      const double cost = across2 + beyond * beyond;
+      if (cost >= best_cost) continue;
+      best_cost = cost;
+      best_across2 = across2;
+      best = &cells_[i];
     }
   }
-  return best;
+  if (best == nullptr) return std::nullopt;
+  return SurfaceMatch{best, std::sqrt(best_across2)};
 }
 
 }  // namespace mmlins::registration

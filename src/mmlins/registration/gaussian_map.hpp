@@ -5,13 +5,14 @@
 // does, and would hold a pose that nothing holds. docs/math/registration.md.
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "mmlins/base/config_fields.hpp"
+#include "mmlins/math/grid.hpp"
 #include "mmlins/math/se3.hpp"
-#include "mmlins/spatial/voxel_table.hpp"
 
 namespace mmlins::registration {
 
@@ -50,11 +51,37 @@ class GaussianMap {
   /// The cell that holds the point, if it is a surface.
   [[nodiscard]] const SurfaceCell* at(const math::Vector3d& point) const;
 
-  [[nodiscard]] double cell_size() const { return cells_.cell_size(); }
-  [[nodiscard]] const std::vector<SurfaceCell>& cells() const { return cells_.payloads(); }
+  [[nodiscard]] double cell_size() const { return cell_size_; }
+  /// All surfaces.
+  [[nodiscard]] const std::vector<SurfaceCell>& cells() const { return cells_; }
 
  private:
-  spatial::VoxelTable<SurfaceCell> cells_;
+  struct Moments;
+  /// What decides whether a surface is near.
+  struct Shape {
+    math::Vector3d mean;
+    math::Vector3d axis;  // across a plane, along a pole
+    int z = 0;            // of its cell
+    bool is_plane = false;
+  };
+
+  [[nodiscard]] math::CellIndex cell_of(const math::Vector3d& point) const;
+  [[nodiscard]] std::vector<Moments> moments_of(std::span<const Eigen::Vector3f> points) const;
+  void sort_into_columns(const std::vector<SurfaceCell>& cells, const std::vector<math::CellIndex>& places);
+  /// Where column (x, y) is in begins_.
+  [[nodiscard]] std::size_t column_of(int x, int y) const {
+    return static_cast<std::size_t>(x) * static_cast<std::size_t>(extent_.y()) + static_cast<std::size_t>(y);
+  }
+
+  double cell_size_;
+  double inverse_size_;
+  // Cells on top of each other form a column, so that a neighbourhood is found by a look-up for each x: the
+  // surfaces of column k are those from begins_[k] up to begins_[k + 1].
+  math::CellIndex corner_ = math::CellIndex::Zero();
+  math::CellIndex extent_ = math::CellIndex::Zero();
+  std::vector<std::uint32_t> begins_;
+  std::vector<Shape> shapes_;
+  std::vector<SurfaceCell> cells_;  // in the same order
 };
 
 }  // namespace mmlins::registration

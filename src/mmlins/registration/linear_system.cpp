@@ -68,8 +68,9 @@ LinearSystem linearise(const std::vector<Vector3d>& samples, const math::SE3& T_
                                    ++sum.num_matched;
                                    for (int k = 0; k < residual->num_rows; ++k) {
                                      const double weight = residual->weight / residual->variance(k);
-                                     sum.H += weight * residual->J.row(k).transpose() * residual->J.row(k);
-                                     sum.b -= weight * residual->error(k) * residual->J.row(k).transpose();
+                                     const Vector6d J = residual->J.row(k).transpose(), weighted = weight * J;
+                                     sum.H.noalias() += weighted * J.transpose();
+                                     sum.b -= residual->error(k) * weighted;
                                    }
                                  }
                                  return sum;

@@ -25,7 +25,7 @@ struct Residual {
   int num_rows = 0;
   Eigen::Vector2d error = Eigen::Vector2d::Zero();     ///< across the surface [m]
   Eigen::Vector2d variance = Eigen::Vector2d::Ones();  ///< [m^2]
-  Eigen::Matrix<double, 2, 6> J = Eigen::Matrix<double, 2, 6>::Zero();
+  Eigen::Matrix<double, 2, 6, Eigen::RowMajor> J = Eigen::Matrix<double, 2, 6, Eigen::RowMajor>::Zero();
   double weight = 0.0;  ///< of the robust kernel
   const SurfaceCell* cell = nullptr;
 };
