@@ -117,6 +117,17 @@ TEST(MapGraph, AddsUpGapsAroundAMapThatSawNothing) {
   EXPECT_LT(apart(gap.T_from_to, at(1).inverse() * kTurned), 1e-12);
 }
 
+TEST(MapGraph, SaysWhyItCannotBeOptimised) {
+  Grown grown;
+  grown.graph.begin_map({0, {}, std::nullopt});
+  grown.add(3, 0);
+  EXPECT_EQ(grown.graph.optimize().error, "");
+  grown.graph.add(keyframe_of(3, 0, at(3)), std::nan("") * Matrix6d::Identity());
+  const MapGraph::Solution solution = grown.graph.optimize();
+  EXPECT_FALSE(solution.solved);
+  EXPECT_NE(solution.error.find("edge 2 -> 3"), std::string::npos) << solution.error;
+}
+
 TEST(MapGraph, TakesAlongWhatFollowsAKeyframeThatHasBeenMoved) {
   Grown grown;
   grown.graph.begin_map({0, {}, std::nullopt});

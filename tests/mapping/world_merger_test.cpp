@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace mmlins::mapping {
 namespace {
 
@@ -110,6 +112,18 @@ TEST(WorldMerger, IsNotHeldUpByAFalsePlaceThatWasLookedAtOften) {
   ASSERT_TRUE(merge.has_value());
   EXPECT_EQ(merge->closures, (std::vector<int>{4, 5, 6}));
   EXPECT_EQ(found.state(0), ClosureState::kWaiting);
+}
+
+TEST(Worlds, KeepWhyTheirGraphCouldNotBeOptimised) {
+  Found found;
+  EXPECT_TRUE(found.worlds.solve(found.worlds.graph));
+  EXPECT_EQ(found.worlds.error, "");
+  const MapGraph before = found.worlds.graph;
+  found.look(0, 7, 8);
+  found.worlds.closure(0).information *= std::nan("");
+  found.worlds.graph.add_closure(found.worlds.closure(0));
+  EXPECT_FALSE(found.worlds.solve(before));
+  EXPECT_NE(found.worlds.error.find("edge 8 -> 37"), std::string::npos) << found.worlds.error;
 }
 
 /// Joined by three closures at `T_world_map`.

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <future>
 #include <thread>
@@ -292,6 +293,27 @@ TEST(BackEnd, TellsTheFirstErrorAndGoesOn) {
   EXPECT_NE(back_end.error().find("keyframe 3"), std::string::npos) << back_end.error();
   EXPECT_EQ(atlas.keyframes()->size(), 6U);
   EXPECT_TRUE(atlas.check()->problems.empty());
+}
+
+TEST(BackEnd, TellsWhatTheMapperCouldNotDo) {
+  BackEnd back_end({}, nullptr, [](const mapping::MappingConfig& config, keyframe::KeyframeStore&) {
+    auto mapper = std::make_unique<ScriptedMapper>(config);
+    mapper->error_ = "no solution";
+    return mapper;
+  });
+  feed(back_end, 0, 3);
+  back_end.finish();
+  EXPECT_EQ(back_end.error(), "the pose graph cannot be optimised: no solution");
+}
+
+TEST(BackEnd, TellsThatTheGraphDoesNotHoldTogetherEvenIfNothingWasRecognised) {
+  BackEnd back_end({}, nullptr, scripted({}));
+  feed(back_end, 0, 3);
+  back_end.add(NewKeyframe{made_keyframe(3), std::nan("") * math::Matrix6d::Identity()});
+  back_end.finish();
+  EXPECT_NE(back_end.error().find("the pose graph cannot be optimised: pose graph: edge 2 -> 3"),
+            std::string::npos)
+      << back_end.error();
 }
 
 TEST(BackEnd, LeavesAnAtlasThatOpensIfItDiesBeforeTheMapperKnowsAKeyframe) {

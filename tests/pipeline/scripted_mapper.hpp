@@ -43,9 +43,11 @@ class ScriptedMapper final : public mapping::BackEndMapper {
   [[nodiscard]] const std::vector<mapping::Merge>& merges() const override { return merges_; }
   [[nodiscard]] int revision() const override { return revision_; }
   [[nodiscard]] mapping::MapperTimes times() const override { return {}; }
+  [[nodiscard]] std::string error() const override { return error_; }
 
   /// Called whenever something has come in.
   std::function<void()> before_;
+  std::string error_;
 
  private:
   void close(int target, int source, const math::SE3& T_target_source) {

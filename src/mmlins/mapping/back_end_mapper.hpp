@@ -4,6 +4,7 @@
 // what was recognised on the way. It owns no thread and never talks back to the odometry.
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "mmlins/keyframe/keyframe_store.hpp"
@@ -53,6 +54,8 @@ class BackEndMapper {
   /// Rises whenever keyframes have been moved.
   [[nodiscard]] virtual int revision() const = 0;
   [[nodiscard]] virtual MapperTimes times() const = 0;
+  /// Why the pose graph could not be optimised, the first time; empty if it always could.
+  [[nodiscard]] virtual std::string error() const = 0;
 };
 
 /// The back end that the configuration names.

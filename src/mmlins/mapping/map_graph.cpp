@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "mmlins/base/check.hpp"
-#include "mmlins/base/log.hpp"
 #include "mmlins/graph/relative_covariance.hpp"
 #include "mmlins/registration/edge_information.hpp"
 
@@ -122,10 +121,7 @@ std::vector<std::optional<registration::PosePrior>> MapGraph::predict(std::span<
   std::vector<graph::NodePair> asked;
   for (const KeyframePair& pair : pairs) asked.push_back({pair.target, pair.source});
   const auto known = graph::relative_covariances(graph_, asked, weights_);
-  if (!known) {
-    log::warning("covariances of the pose graph: {}", known.error().message);
-    return priors;
-  }
+  if (!known) return priors;  // nor can the graph be optimised then, which is told
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const graph::RelativeCovariance& one = (*known)[i];
     if (one.status == graph::CovarianceStatus::kKnown) priors[i] = registration::PosePrior{one.T_i_j, one.covariance};
@@ -203,7 +199,7 @@ MapGraph::Solution MapGraph::optimize() {
   Solution solution;
   auto optimized = graph::optimize(graph_, optimizer_);
   if (!optimized || optimized->report.status == graph::GraphStatus::kSolverFailed) {
-    log::warning("the pose graph could not be optimised{}{}", optimized ? "" : ": ", optimized ? "" : optimized.error().message);
+    solution.error = optimized ? "the solver failed" : optimized.error().message;
     return solution;
   }
   solution.solved = true;

@@ -5,6 +5,7 @@
 
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "mmlins/graph/optimize.hpp"
@@ -77,6 +78,7 @@ class MapGraph {
   /// Closures (by provenance) that the graph rejects; none if it could not be solved, and then it is as before.
   struct Solution {
     bool solved = false;
+    std::string error;  ///< why not
     std::vector<int> rejected;
     double odometry_chi2_per_dof = 0.0;
   };

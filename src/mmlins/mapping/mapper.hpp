@@ -3,6 +3,7 @@
 // The back end as it is by default: places are recognised by submaps, loops closed and maps joined when several closures
 // agree on it.
 
+#include <string>
 #include <vector>
 
 #include "mmlins/keyframe/submap_cutter.hpp"
@@ -28,6 +29,7 @@ class Mapper final : public BackEndMapper {
   [[nodiscard]] const std::vector<Merge>& merges() const override { return worlds_.merges; }
   [[nodiscard]] int revision() const override { return worlds_.revision; }
   [[nodiscard]] MapperTimes times() const override;
+  [[nodiscard]] std::string error() const override { return worlds_.error; }
 
  private:
   /// A submap that looks for known places.

@@ -237,7 +237,9 @@ void PaperMapper::use(std::size_t closure) {
 void PaperMapper::optimize() {
   if (!config_.optimize) return;
   Stopwatch stopwatch;
-  if (graph_.optimize().solved) ++revision_;
+  const MapGraph::Solution solution = graph_.optimize();
+  if (solution.solved) ++revision_;
+  if (error_.empty()) error_ = solution.error;
   times_.optimize += stopwatch.lap_ms();
 }
 

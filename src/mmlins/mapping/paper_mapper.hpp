@@ -6,6 +6,7 @@
 
 #include <map>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "mmlins/mapping/back_end_mapper.hpp"
@@ -32,6 +33,7 @@ class PaperMapper final : public BackEndMapper {
   [[nodiscard]] const std::vector<Merge>& merges() const override { return merges_; }
   [[nodiscard]] int revision() const override { return revision_; }
   [[nodiscard]] MapperTimes times() const override { return times_; }
+  [[nodiscard]] std::string error() const override { return error_; }
 
  private:
   /// Points around a keyframe, ready for ICP.
@@ -66,6 +68,7 @@ class PaperMapper final : public BackEndMapper {
   MapperTimes times_;
   Time now_;
   int revision_ = 0;
+  std::string error_;
   int latest_map_ = -1;
   int quiet_until_ = 0;  ///< keyframe from which on loops are sought again
 };

@@ -38,6 +38,7 @@ bool Worlds::solve(MapGraph before) {
   Stopwatch stopwatch;
   const MapGraph::Solution solution = graph.optimize();
   optimize_ms += stopwatch.lap_ms();
+  if (error.empty()) error = solution.error;
   if (!solution.solved || solution.odometry_chi2_per_dof > kMaxOdometryChi2) {
     graph = std::move(before);
     return false;

@@ -2,6 +2,7 @@
 #pragma once
 // What the back end knows: where everything lies, and what was found on the way. A world is a set of maps that were joined.
 
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -20,6 +21,7 @@ struct Worlds {
   Time now;
   int revision = 0;          ///< rises whenever keyframes have been moved
   double optimize_ms = 0.0;  ///< spent so far
+  std::string error;         ///< why the graph could not be optimised, the first time; empty if it always could
 
   [[nodiscard]] Closure& closure(int id) { return closures[static_cast<std::size_t>(id)]; }
   [[nodiscard]] const Closure& closure(int id) const { return closures[static_cast<std::size_t>(id)]; }

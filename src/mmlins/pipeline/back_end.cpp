@@ -5,6 +5,7 @@
 
 #include "mmlins/atlas/atlas_keyframe_store.hpp"
 #include "mmlins/base/log.hpp"
+#include "mmlins/graph/graph_index.hpp"
 
 namespace mmlins::pipeline {
 namespace {
@@ -66,7 +67,10 @@ void BackEnd::hand_back(const keyframe::Keyframe& keyframe) {
 
 void BackEnd::finish() {
   tasks_.close();
-  if (worker_.joinable()) worker_.join();
+  if (worker_.joinable()) {
+    worker_.join();
+    note_fault_of_graph();
+  }
   if (storage_) storage_->finish();
 }
 
@@ -90,6 +94,17 @@ void BackEnd::perform(const MappingTask& task) {
   }
   if (!storage_) return;
   if (MapperChange change = journal_.take(*mapper_); !change.is_empty()) storage_->add(std::move(change));
+}
+
+void BackEnd::note_fault_of_graph() {
+  if (!error_.empty()) return;
+  const graph::PoseGraph& graph = mapper_->map_graph().graph();
+  std::string fault = mapper_->error();
+  // Where nothing was recognised, nothing had to be optimised.
+  if (fault.empty() && !graph.nodes.empty()) {
+    if (const auto index = graph::index_graph(graph); !index) fault = index.error().message;
+  }
+  if (!fault.empty()) error_ = fmt::format("the pose graph cannot be optimised: {}", fault);
 }
 
 void BackEnd::note(const Status& status) {

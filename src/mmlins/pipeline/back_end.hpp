@@ -50,7 +50,7 @@ class BackEnd {
   [[nodiscard]] keyframe::KeyframeStore& store() { return *store_; }
   /// Spent on local maps for the odometry. @pre finish() has returned
   [[nodiscard]] double rebuild_ms() const { return rebuilder_ ? rebuilder_->milliseconds() : 0.0; }
-  /// The first error of the store or the atlas; empty if there was none. @pre finish() has returned
+  /// The first error of the store, the pose graph or the atlas; empty if there was none. @pre finish() has returned
   [[nodiscard]] std::string error() const;
 
  private:
@@ -59,6 +59,7 @@ class BackEnd {
   void perform(const MappingTask& task);
   void hand_back(const keyframe::Keyframe& keyframe);
   void note(const Status& status);
+  void note_fault_of_graph();
 
   std::optional<Storage> storage_;
   std::optional<atlas::Atlas> reader_;  ///< of the atlas that the storage writes

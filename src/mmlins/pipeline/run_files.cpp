@@ -189,8 +189,9 @@ Status write_run(const std::string& folder, const RunResult& result, const RunSo
   if (Status status = io::write_pcd(folder + "/map.pcd", result.map.points_map(), result.map.intensities()); !status) {
     return status;
   }
-  if (!result.mapping.graph.nodes.empty()) {
-    if (Status status = graph::write_g2o(folder + "/graph.g2o", result.mapping.graph); !status) return status;
+  // One that does not hold together has no such file; why is told as an error of the back end.
+  if (const auto g2o = graph::format_g2o(result.mapping.graph)) {
+    if (Status status = write_text_file(folder + "/graph.g2o", *g2o); !status) return status;
   }
   for (const auto& [name, text] : texts) {
     if (Status status = write_text_file(folder + "/" + name, text); !status) return status;

@@ -59,7 +59,7 @@ struct MappingResult {
   mapping::MapperTimes times;
   double rebuild_ms = 0.0;      ///< spent on local maps for the odometry
   int num_rebuilt = 0;          ///< of them, those that it took
-  std::string error;            ///< of the store of keyframes; empty if there was none
+  std::string error;            ///< of the store of keyframes, the pose graph or the atlas; empty if there was none
 };
 
 struct RunResult {
