@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <future>
 #include <thread>
 #include <utility>
@@ -293,6 +294,21 @@ TEST(BackEnd, TellsTheFirstErrorAndGoesOn) {
   EXPECT_NE(back_end.error().find("keyframe 3"), std::string::npos) << back_end.error();
   EXPECT_EQ(atlas.keyframes()->size(), 6U);
   EXPECT_TRUE(atlas.check()->problems.empty());
+}
+
+TEST(BackEnd, SaysThatMemoryIsNotBoundedWhereTheAtlasCannotBeReadBack) {
+  const TemporaryFolder folder;
+  Atlas atlas = created(folder);
+  ASSERT_TRUE(std::filesystem::remove(folder / "atlas/index.sqlite"));
+  mapping::MappingConfig config;
+  config.memory_mb = 0;
+  BackEnd back_end(config, &atlas, scripted({}));
+  feed(back_end, 0, kPerMap);
+  back_end.finish();
+  EXPECT_NE(back_end.error().find("mapping.memory_mb"), std::string::npos) << back_end.error();
+  EXPECT_NE(back_end.error().find("index.sqlite"), std::string::npos) << back_end.error();
+  // The mapper lacks nothing.
+  for (int id = 0; id < kPerMap; ++id) EXPECT_TRUE(back_end.store().load(id).ok()) << id;
 }
 
 TEST(BackEnd, TellsWhatTheMapperCouldNotDo) {

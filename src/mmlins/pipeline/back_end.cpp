@@ -22,7 +22,10 @@ BackEnd::BackEnd(const mapping::MappingConfig& config, atlas::Atlas* atlas, cons
     if (auto reader = atlas->reader()) {
       reader_.emplace(std::move(*reader));
     } else {
-      note(reader.error());
+      // The result is worth more than the bound.
+      note(make_error(reader.error().code,
+                      "all keyframes are kept in memory, beyond mapping.memory_mb, as the atlas cannot be read back: {}",
+                      reader.error().message));
     }
     storage_.emplace(config, *atlas);
   }
