@@ -73,6 +73,26 @@ TEST(RegisterSubmaps, FewPointsInCommonAreSaidSo) {
   EXPECT_EQ(result.status, RegistrationStatus::kTooFewMatches);
 }
 
+TEST(RegisterSubmaps, GivesUpWhatCannotOverlapEnoughAndNothingElse) {
+  const LeastOverlap least{0.4, 0.5};
+  const PreparedSubmap room = prepare(drawn_submap(drawn_room(), {}, 0.02, 1), {});
+  const PreparedSubmap again = prepare(drawn_submap(drawn_room(), level_pose(1, 0, 0, 9), 0.02, 2), {});
+  const Registration carried = register_submaps(again, room, {}, {}, least),
+                     whole = register_submaps(again, room, {}, {});
+  EXPECT_EQ(carried.status, RegistrationStatus::kConverged);
+  EXPECT_EQ(carried.T_target_source.t, whole.T_target_source.t);
+  EXPECT_EQ(carried.information, whole.information);
+
+  const PreparedSubmap corridor = prepare(drawn_submap(drawn_corridor(), {}, 0.02, 3), {});
+  const Registration given_up = register_submaps(room, corridor, {}, {}, least),
+                     to_its_end = register_submaps(room, corridor, {}, {});
+  EXPECT_EQ(given_up.status, RegistrationStatus::kHopeless);
+  EXPECT_LT(given_up.iterations, to_its_end.iterations);
+  // What made it hopeless is more than what would have come out.
+  EXPECT_LE(to_its_end.overlap, given_up.overlap);
+  EXPECT_LE(to_its_end.standing_overlap, given_up.standing_overlap);
+}
+
 // 24 pairs that differ in their noise alone: the sum of 24 times 6 squared normalised errors has a mean of
 // 144 if the information is right; min_correlation makes it smaller than right for noise that is independent.
 TEST(RegisterSubmaps, ErrorsAreNoLargerThanTheInformationSays) {

@@ -167,7 +167,7 @@ Closure* Mapper::examine(const View& view, const PlaceCandidate& candidate) {
   closure.crossing_share = verdict.crossing_share;
   closure.reason = verdict.reason;
   closure.moved = -1.0;
-  if (candidate.prior) {
+  if (candidate.prior && fit.status != registration::RegistrationStatus::kHopeless) {
     const math::Vector6d apart = math::se3_log(candidate.prior->T_target_source.inverse() * fit.T_target_source);
     const registration::RegistrationConfig& limits = config_.verification.registration;
     const Matrix6d known = covariance_of(limits.observability.weak_rotation_deg, limits.observability.weak_position);

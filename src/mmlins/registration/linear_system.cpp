@@ -20,6 +20,8 @@ Vector6d row(const Vector3d& p_source, const Vector3d& direction_source) {
   return J;
 }
 
+}  // namespace
+
 std::optional<SurfaceMatch> find_surface(const Vector3d& p_target, const Matching& matching) {
   const double gate = kGateInKernels * matching.kernel;
   auto match = matching.map->match(p_target, gate, matching.reach);
@@ -27,8 +29,6 @@ std::optional<SurfaceMatch> find_surface(const Vector3d& p_target, const Matchin
     match = matching.fallback->match(p_target, gate, matching.reach);
   return match;
 }
-
-}  // namespace
 
 LinearSystem& LinearSystem::operator+=(const LinearSystem& other) {
   H += other.H;
@@ -57,7 +57,7 @@ std::optional<Residual> residual_of(const Vector3d& p_source, const math::SE3& T
   return residual;
 }
 
-LinearSystem linearise(const std::vector<Vector3d>& samples, const math::SE3& T_target_source,
+LinearSystem linearise(std::span<const Vector3d> samples, const math::SE3& T_target_source,
                        const Matching& matching) {
   return parallel::ordered_sum(samples.size(), kGrain, LinearSystem{},
                                [&](std::size_t begin, std::size_t end) {

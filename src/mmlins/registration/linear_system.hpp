@@ -4,7 +4,7 @@
 
 #include <cstdint>
 #include <optional>
-#include <vector>
+#include <span>
 
 #include "mmlins/degeneracy/observability.hpp"
 #include "mmlins/registration/gaussian_map.hpp"
@@ -38,11 +38,13 @@ struct LinearSystem {
   LinearSystem& operator+=(const LinearSystem& other);
 };
 
+[[nodiscard]] std::optional<SurfaceMatch> find_surface(const math::Vector3d& p_target,
+                                                       const Matching& matching);
 [[nodiscard]] std::optional<Residual> residual_of(const math::Vector3d& p_source,
                                                   const math::SE3& T_target_source, const Matching& matching);
 
 /// Sum over all samples; the same bits whatever the number of threads.
-[[nodiscard]] LinearSystem linearise(const std::vector<math::Vector3d>& samples,
+[[nodiscard]] LinearSystem linearise(std::span<const math::Vector3d> samples,
                                      const math::SE3& T_target_source, const Matching& matching);
 
 /// What noisy normals add to H for one residual, on average (docs/math/degeneracy.md, Eqs. (4) and (5)).

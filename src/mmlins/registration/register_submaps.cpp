@@ -19,7 +19,8 @@ using math::SE3;
 using math::Vector3d;
 using math::Vector6d;
 
-constexpr int kMinMatches = 100;
+constexpr int kMinMatches = 100;      // of all samples
+constexpr std::size_t kFew = 1000;    // samples that find the way to the last stage, at least
 constexpr double kLevel = 0.9;        // of a normal's z component
 constexpr double kSmallTurn = 2e-5;   // a step below which a stage has converged [rad]
 constexpr double kSmallShift = 5e-4;  // [m]
@@ -74,17 +75,42 @@ struct Progress {
   bool enough = true;
 };
 
+struct IterationLimits {
+  bool stay_level;
+  int min_matches;
+  int max_iterations;
+};
+
 void iterate(Progress& progress, const std::vector<Vector3d>& samples, const Matching& matching,
-             bool stay_level, int max_iterations) {
+             const IterationLimits& limits) {
   progress.converged = false;
-  for (int i = 0; i < max_iterations && !progress.converged; ++i) {
+  for (int i = 0; i < limits.max_iterations && !progress.converged; ++i) {
     const LinearSystem system = linearise(samples, progress.T_target_source, matching);
-    progress.enough = system.num_matched >= kMinMatches;
+    progress.enough = system.num_matched >= limits.min_matches;
     if (!progress.enough) return;
-    const Vector6d step = solve(system, stay_level);
+    const Vector6d step = solve(system, limits.stay_level);
     progress.T_target_source = progress.T_target_source * math::se3_exp(step);
     progress.converged = step.head<3>().norm() < kSmallTurn && step.tail<3>().norm() < kSmallShift;
     ++progress.iterations;
+  }
+}
+
+/// In x, y, z and yaw, from large cells to small ones. All of this only leads to where the last stage begins,
+/// which is to see all samples: for this a few are as good.
+void approach(Progress& progress, const PreparedSubmap& source, const PreparedSubmap& target,
+              const RegistrationConfig& config) {
+  const double noise2 = config.surface.point_noise * config.surface.point_noise;
+  const double share = static_cast<double>(source.few_samples.size()) /
+                       static_cast<double>(std::max<std::size_t>(1, source.samples.size()));
+  const int min_matches = static_cast<int>(std::ceil(share * kMinMatches));
+  double kernel = config.coarse_kernel;
+  for (const GaussianMap& level : target.levels) {
+    // Far off, all surfaces are equally uncertain; the thinnest must not decide alone.
+    const double blur2 = noise2 + 0.25 * kernel * kernel;
+    iterate(progress, source.few_samples, {&level, nullptr, 1.0, kernel, blur2},
+            {true, min_matches, config.max_iterations});
+    if (!progress.enough) return;
+    kernel = std::max(0.5 * kernel, config.fine_kernel);
   }
 }
 
@@ -149,6 +175,26 @@ double correlation_of(const Account& account, double least) {
   return account.chi2 > 0.0 ? std::max(least, sum / account.chi2) : least;
 }
 
+/// Overlaps as they may still become: the last stage moves no point that far.
+LeastOverlap within_reach(const PreparedSubmap& source, const SE3& T, Matching matching,
+                          const RegistrationConfig& config) {
+  const double distance = kHopelessDistance * config.overlap_distance;
+  matching.reach = 1.0;
+  matching.kernel = distance;
+  std::size_t near = 0, near_standing = 0, standing = 0;
+  for (std::size_t i = 0; i < source.samples.size(); ++i) {
+    const auto match = find_surface(T * source.samples[i], matching);
+    const bool is_near = match && match->distance <= distance;
+    near += is_near ? 1 : 0;
+    standing += source.stands[i] ? 1 : 0;
+    near_standing += is_near && source.stands[i] ? 1 : 0;
+  }
+  const auto share = [](std::size_t part, std::size_t all) {
+    return all > 0 ? static_cast<double>(part) / static_cast<double>(all) : 0.0;
+  };
+  return {share(near, source.samples.size()), share(near_standing, standing)};
+}
+
 void assess(Registration& result, const PreparedSubmap& source, const PreparedSubmap& target,
             const RegistrationConfig& config) {
   Account account = take_account(source, result.T_target_source, finest_matching(target, config), config);
@@ -204,26 +250,31 @@ PreparedSubmap prepare(const keyframe::Submap& submap, const RegistrationConfig&
     prepared.viewpoints.push_back(submap.viewpoints[submap.views[i]].cast<double>());
     prepared.stands.push_back(!is_level(prepared.levels, prepared.samples.back()));
   }
+  const std::size_t step = std::max<std::size_t>(1, prepared.samples.size() / kFew);
+  for (std::size_t i = 0; i < prepared.samples.size(); i += step)
+    prepared.few_samples.push_back(prepared.samples[i]);
   return prepared;
 }
 
 Registration register_submaps(const PreparedSubmap& source, const PreparedSubmap& target, const SE3& T_guess,
-                              const RegistrationConfig& config) {
-  const double noise2 = config.surface.point_noise * config.surface.point_noise;
-  const std::size_t num_levels = target.levels.size();
+                              const RegistrationConfig& config, const LeastOverlap& least) {
+  const Matching finest = finest_matching(target, config);
   Progress progress{levelled(T_guess)};
-  double kernel = config.coarse_kernel;
-  for (std::size_t i = 0; i < num_levels && progress.enough; ++i) {
-    // Far off, all surfaces are equally uncertain; the thinnest must not decide alone.
-    const double blur2 = noise2 + 0.25 * kernel * kernel;
-    iterate(progress, source.samples, {&target.levels[i], nullptr, 1.0, kernel, blur2}, true,
-            config.max_iterations);
-    kernel = std::max(0.5 * kernel, config.fine_kernel);
-  }
-  if (progress.enough) {
-    iterate(progress, source.samples, finest_matching(target, config), false, config.max_iterations);
-  }
+  approach(progress, source, target, config);
   Registration result;
+  result.T_target_source = progress.T_target_source;
+  result.iterations = progress.iterations;
+  if (!progress.enough) return result;
+  if (least.all > 0.0 || least.standing > 0.0) {
+    const LeastOverlap reach = within_reach(source, progress.T_target_source, finest, config);
+    if (reach.all < least.all || reach.standing < least.standing) {
+      result.status = RegistrationStatus::kHopeless;
+      result.overlap = reach.all;
+      result.standing_overlap = reach.standing;
+      return result;
+    }
+  }
+  iterate(progress, source.samples, finest, {false, kMinMatches, config.max_iterations});
   result.T_target_source = progress.T_target_source;
   result.iterations = progress.iterations;
   if (!progress.enough) return result;

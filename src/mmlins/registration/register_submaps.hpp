@@ -32,14 +32,26 @@ struct RegistrationConfig {
 
 /// A submap made ready to be registered many times, in either role.
 struct PreparedSubmap {
-  std::vector<GaussianMap> levels;         ///< largest cells first
-  std::vector<math::Vector3d> samples;     ///< some of its points [m]
-  std::vector<math::Vector3d> viewpoints;  ///< for each sample: where it was seen from [m]
-  std::vector<bool> stands;                ///< for each sample: whether it is no part of a floor or ceiling
+  std::vector<GaussianMap> levels;          ///< largest cells first
+  std::vector<math::Vector3d> samples;      ///< some of its points [m]
+  std::vector<math::Vector3d> viewpoints;   ///< for each sample: where it was seen from [m]
+  std::vector<bool> stands;                 ///< for each sample: whether it is no part of a floor or ceiling
+  std::vector<math::Vector3d> few_samples;  ///< every n-th of the samples
 };
 [[nodiscard]] PreparedSubmap prepare(const keyframe::Submap& submap, const RegistrationConfig& config);
 
-enum class RegistrationStatus { kConverged, kNotConverged, kTooFewMatches };
+enum class RegistrationStatus {
+  kConverged,
+  kNotConverged,
+  kTooFewMatches,
+  kHopeless,  ///< given up before the last stage: pose and overlaps are rough, and nothing else is known
+};
+
+/// A result with less than this is of no interest.
+struct LeastOverlap {
+  double all = 0.0;
+  double standing = 0.0;
+};
 
 struct Registration {
   RegistrationStatus status = RegistrationStatus::kTooFewMatches;
@@ -55,10 +67,15 @@ struct Registration {
   int iterations = 0;
 };
 
+/// For hopeless results: the distance within which their overlaps are counted, in overlap_distance.
+inline constexpr double kHopelessDistance = 1.5;
+
 /// @param T_target_source  the guess; up to about 2 m and 10 degrees off
+/// @param least  a result that cannot come to this is given up before the last stage, which is what takes the
+/// time
 [[nodiscard]] Registration register_submaps(const PreparedSubmap& source, const PreparedSubmap& target,
                                             const math::SE3& T_target_source,
-                                            const RegistrationConfig& config);
+                                            const RegistrationConfig& config, const LeastOverlap& least = {});
 [[nodiscard]] Registration register_submaps(const keyframe::Submap& source, const keyframe::Submap& target,
                                             const math::SE3& T_target_source,
                                             const RegistrationConfig& config);

@@ -41,9 +41,12 @@ struct Attempts {
 std::vector<Registration> register_all(const PreparedSubmap& source, const PreparedSubmap& target,
                                        std::span<const SE3> starts, const std::optional<PosePrior>& prior,
                                        const VerificationConfig& config) {
+  // Of several starts even one that fits badly may take part in what is decided.
+  LeastOverlap least;
+  if (starts.size() == 1) least = {config.min_overlap, config.min_standing_overlap};
   std::vector<Registration> results, possible;
   for (const SE3& start : starts) {
-    results.push_back(register_submaps(source, target, start, config.registration));
+    results.push_back(register_submaps(source, target, start, config.registration, least));
     if (prior && prior_chi2(results.back(), *prior) <= config.max_prior_chi2)
       possible.push_back(results.back());
   }
@@ -95,6 +98,11 @@ Verification rejected(Verification verification, std::string why) {
 
 std::optional<std::string> fault_of_fit(const Registration& result, const VerificationConfig& config) {
   if (result.status == RegistrationStatus::kTooFewMatches) return "fewer than 100 points meet a surface";
+  if (result.status == RegistrationStatus::kHopeless)
+    return fmt::format("overlap {:.2f} ({:.2f} of what stands) even within {:.1f} m is below {:.2f} ({:.2f})",
+                       result.overlap, result.standing_overlap,
+                       kHopelessDistance * config.registration.overlap_distance, config.min_overlap,
+                       config.min_standing_overlap);
   if (result.overlap < config.min_overlap)
     return fmt::format("overlap {:.2f} is below {:.2f}", result.overlap, config.min_overlap);
   if (result.standing_overlap < config.min_standing_overlap)
