@@ -2,15 +2,10 @@
 # SPDX-License-Identifier: MIT
 """mmlins config prints every setting, and the commands accept what it prints."""
 
-import subprocess
 import sys
 import unittest
 
-MMLINS = sys.argv[1] if len(sys.argv) > 1 else "mmlins"
-
-
-def mmlins(*arguments):
-    return subprocess.run([MMLINS, *map(str, arguments)], capture_output=True, text=True)
+from program import mmlins
 
 
 class Config(unittest.TestCase):

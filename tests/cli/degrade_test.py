@@ -5,7 +5,6 @@
 import math
 import os
 import struct
-import subprocess
 import sys
 import tempfile
 import unittest
@@ -13,17 +12,13 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
 from bag_writers import find_library  # noqa: E402
+from program import mmlins  # noqa: E402
 from raw_bag import Cloud, read_raw  # noqa: E402
 
-MMLINS = sys.argv[1] if len(sys.argv) > 1 else "mmlins"
 LIBRARY = None
 START = 1_700_000_000 * 10**9  # [ns] of simulated recordings, and of those made here
 MS = 10**6
 CLOUD, TEXT, LIVOX = "sensor_msgs/PointCloud2", "std_msgs/String", "livox_ros_driver2/CustomMsg"
-
-
-def mmlins(*arguments):
-    return subprocess.run([MMLINS, *map(str, arguments)], capture_output=True, text=True, timeout=120)
 
 
 def norm(cloud, point):

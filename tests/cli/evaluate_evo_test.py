@@ -10,12 +10,13 @@ import tempfile
 import unittest
 from pathlib import Path
 
+from program import mmlins
+
 try:
     import numpy as np
 except ImportError:
     np = None
 
-MMLINS = sys.argv[1] if len(sys.argv) > 1 else "mmlins"
 SKIPPED = 77
 
 # Runs in whichever interpreter has evo; prints the figures of two files as JSON.
@@ -88,8 +89,8 @@ def random_trajectories(folder, seed, noise):
     write_tum(folder / "estimate.tum", stamps, *zip(*estimate))
 
 
-def mmlins(*arguments):
-    return subprocess.run([MMLINS, "evaluate", *map(str, arguments)], capture_output=True, text=True)
+def evaluate(*arguments):
+    return mmlins("evaluate", *arguments)
 
 
 class AgainstEvo(unittest.TestCase):
@@ -107,7 +108,7 @@ class AgainstEvo(unittest.TestCase):
                                      capture_output=True, text=True)
                 self.assertEqual(run.returncode, 0, run.stderr)
                 theirs = json.loads(run.stdout)
-                ours = json.loads(mmlins(*files, "--align", align, "--json").stdout)
+                ours = json.loads(evaluate(*files, "--align", align, "--json").stdout)
                 self.compare(ours["ate_m"], theirs["ate_m"], 1e-6)
                 self.compare(ours["rotation_deg"], theirs["rotation_deg"], 1e-5)
                 self.compare(ours["rpe_1s"]["translation_m"], theirs["rpe_translation_m"], 1e-6)

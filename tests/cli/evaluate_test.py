@@ -3,17 +3,16 @@
 """mmlins evaluate as a user meets it: what it prints, and what it says about bad input."""
 
 import json
-import subprocess
 import sys
 import tempfile
 import unittest
 from pathlib import Path
 
-MMLINS = sys.argv[1] if len(sys.argv) > 1 else "mmlins"
+from program import mmlins
 
 
-def mmlins(*arguments):
-    return subprocess.run([MMLINS, "evaluate", *map(str, arguments)], capture_output=True, text=True)
+def evaluate(*arguments):
+    return mmlins("evaluate", *arguments)
 
 
 class Evaluate(unittest.TestCase):
@@ -32,7 +31,7 @@ class Evaluate(unittest.TestCase):
 
     def refused(self, *arguments):
         """The one line on standard error of a refused command."""
-        run = mmlins(*arguments)
+        run = evaluate(*arguments)
         self.assertEqual(run.returncode, 1)
         self.assertEqual(run.stdout, "")
         lines = run.stderr.strip().splitlines()
@@ -68,13 +67,13 @@ class Evaluate(unittest.TestCase):
     def test_rows_out_of_order_are_sorted_with_a_warning(self):
         rows = self.good.read_text().splitlines()
         rows[3], rows[4] = rows[4], rows[3]
-        run = mmlins(self.good, self.file("swapped.tum", "\n".join(rows)), "--json")
+        run = evaluate(self.good, self.file("swapped.tum", "\n".join(rows)), "--json")
         self.assertEqual(run.returncode, 0)
         self.assertIn("1 rows out of order", run.stderr)
         self.assertLess(json.loads(run.stdout)["ate_m"]["max"], 1e-9)
 
     def test_text_tells_every_figure(self):
-        run = mmlins(self.good, self.good)
+        run = evaluate(self.good, self.good)
         self.assertEqual(run.returncode, 0)
         for words in ["ATE [m]", "rotation error [deg]", "RPE over 1 s", "RPE per 100 m", "end-to-end", "coverage"]:
             self.assertIn(words, run.stdout)

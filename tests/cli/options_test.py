@@ -2,18 +2,14 @@
 # SPDX-License-Identifier: MIT
 """What every command does with options, settings and paths that make no sense: one line, and nothing else."""
 
-import subprocess
 import sys
 import tempfile
 import unittest
 from pathlib import Path
 
-MMLINS = sys.argv[1] if len(sys.argv) > 1 else "mmlins"
+from program import mmlins
+
 COMMANDS = ["run", "info", "evaluate", "simulate", "config", "maps"]
-
-
-def mmlins(*arguments, folder=None):
-    return subprocess.run([MMLINS, *map(str, arguments)], capture_output=True, text=True, cwd=folder)
 
 
 class Refusals(unittest.TestCase):

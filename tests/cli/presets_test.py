@@ -4,20 +4,14 @@
 
 import os
 import re
-import subprocess
 import sys
-import tempfile
 import unittest
 from pathlib import Path
 
-MMLINS = sys.argv[1] if len(sys.argv) > 1 else "mmlins"
+from program import mmlins, shared
+
 PRESETS = sorted((Path(__file__).resolve().parents[2] / "config" / "rigs").glob("*.yaml"))
-SHARED = tempfile.TemporaryDirectory()
-BAG = os.path.join(SHARED.name, "a", "recording.bag")
-
-
-def mmlins(*arguments):
-    return subprocess.run([MMLINS, *map(str, arguments)], capture_output=True, text=True, timeout=120)
+BAG = shared("a/recording.bag")
 
 
 def values_of(text):
@@ -39,10 +33,6 @@ def setUpModule():
     assert result.returncode == 0, result.stderr
 
 
-def tearDownModule():
-    SHARED.cleanup()
-
-
 class Presets(unittest.TestCase):
     def test_there_is_one_for_every_common_sensor(self):
         self.assertEqual([preset.stem for preset in PRESETS],
@@ -58,7 +48,7 @@ class Presets(unittest.TestCase):
         defaults = values_of(mmlins("config", "--rig").stdout)
         for preset in PRESETS:
             with self.subTest(preset=preset.stem):
-                out = Path(SHARED.name) / preset.stem
+                out = Path(shared(preset.stem))
                 result = mmlins("run", BAG, "--rig", preset, "--out", out)
                 self.assertEqual(result.returncode, 0, result.stderr)
                 given = values_of(preset.read_text())

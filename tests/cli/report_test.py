@@ -9,23 +9,11 @@ import csv
 import json
 import os
 import re
-import subprocess
 import sys
-import tempfile
 import unittest
 
 import chromium
-
-MMLINS = sys.argv[1] if len(sys.argv) > 1 else "mmlins"
-SHARED = tempfile.TemporaryDirectory()
-
-
-def mmlins(*arguments):
-    return subprocess.run([MMLINS, *arguments], capture_output=True, text=True, timeout=300)
-
-
-def shared(name):
-    return os.path.join(SHARED.name, name)
+from program import mmlins, shared
 
 
 def text_of(path):
@@ -50,10 +38,6 @@ def setUpModule():
     assert result.returncode == 0, result.stderr
     with open(shared("stdout"), "w") as file:
         file.write(result.stdout)
-
-
-def tearDownModule():
-    SHARED.cleanup()
 
 
 class Data(unittest.TestCase):

@@ -4,22 +4,10 @@
 
 import csv
 import json
-import os
-import subprocess
 import sys
-import tempfile
 import unittest
 
-MMLINS = sys.argv[1] if len(sys.argv) > 1 else "mmlins"
-SHARED = tempfile.TemporaryDirectory()
-
-
-def mmlins(*arguments):
-    return subprocess.run([MMLINS, *arguments], capture_output=True, text=True, timeout=300)
-
-
-def shared(name):
-    return os.path.join(SHARED.name, name)
+from program import mmlins, shared
 
 
 def text_of(path):
@@ -34,10 +22,6 @@ def poses_of(path):
 def ns_of(stamp):
     seconds, fraction = stamp.split(".")
     return int(seconds) * 10**9 + int(fraction.ljust(9, "0"))
-
-
-def tearDownModule():
-    SHARED.cleanup()
 
 
 class TwoMaps(unittest.TestCase):

@@ -15,17 +15,9 @@ import sys
 import tempfile
 import unittest
 
-MMLINS = sys.argv[1] if len(sys.argv) > 1 else "mmlins"
+from program import MMLINS, mmlins, shared
+
 FILES = ["atlas", "closures.csv", "config.yaml", "graph.g2o", "health.csv", "map.pcd", "merges.json", "odometry.tum", "report.html", "rig.yaml", "summary.json", "trajectory.tum"]
-SHARED = tempfile.TemporaryDirectory()
-
-
-def mmlins(*arguments):
-    return subprocess.run([MMLINS, *arguments], capture_output=True, text=True, timeout=300)
-
-
-def shared(name):
-    return os.path.join(SHARED.name, name)
 
 
 def text_of(path):
@@ -48,10 +40,6 @@ def setUpModule():
         result = mmlins("simulate", "demo", "--out", shared(name), "--set", f"duration={duration}",
                         "--set", "trajectory.stand_still=1.5", "--set", f"sensor.columns={columns}")
         assert result.returncode == 0, result.stderr
-
-
-def tearDownModule():
-    SHARED.cleanup()
 
 
 class Run(unittest.TestCase):

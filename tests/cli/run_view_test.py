@@ -12,24 +12,14 @@ import signal
 import socket
 import subprocess
 import sys
-import tempfile
 import time
 import unittest
 
 import chromium
+from program import MMLINS, mmlins, shared
 
-MMLINS = sys.argv[1] if len(sys.argv) > 1 else "mmlins"
-SHARED = tempfile.TemporaryDirectory()
 # Times of work are told in these; an index is compared by what is in it.
 TIMED = {"health.csv", "summary.json", "report.html", "index.sqlite"}
-
-
-def mmlins(*arguments):
-    return subprocess.run([MMLINS, *arguments], capture_output=True, text=True, timeout=300)
-
-
-def shared(name):
-    return os.path.join(SHARED.name, name)
 
 
 def command(out, *options):
@@ -101,10 +91,6 @@ def setUpModule():
     assert result.returncode == 0, result.stderr
     result = subprocess.run(command("plain"), capture_output=True, text=True, timeout=300)
     assert result.returncode == 0, result.stderr
-
-
-def tearDownModule():
-    SHARED.cleanup()
 
 
 class Run(unittest.TestCase):

@@ -24,17 +24,7 @@ import urllib.error
 import urllib.request
 
 import chromium
-
-MMLINS = sys.argv[1] if len(sys.argv) > 1 else "mmlins"
-SHARED = tempfile.TemporaryDirectory()
-
-
-def mmlins(*arguments):
-    return subprocess.run([MMLINS, *arguments], capture_output=True, text=True, timeout=300)
-
-
-def shared(name):
-    return os.path.join(SHARED.name, name)
+from program import MMLINS, mmlins, shared
 
 
 def has_page():
@@ -80,10 +70,6 @@ def setUpModule():
         assert result.returncode == 0, result.stderr
 
 
-def tearDownModule():
-    SHARED.cleanup()
-
-
 class Refusals(unittest.TestCase):
     def refused(self, *arguments):
         """The one line that it is."""
@@ -95,7 +81,7 @@ class Refusals(unittest.TestCase):
         return lines[0]
 
     def half(self, *missing):
-        folder = os.path.join(tempfile.mkdtemp(dir=SHARED.name), "out")
+        folder = os.path.join(tempfile.mkdtemp(dir=shared("")), "out")
         shutil.copytree(shared("out"), folder)
         for name in missing:
             path = os.path.join(folder, name)
