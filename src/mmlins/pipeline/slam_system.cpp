@@ -286,7 +286,9 @@ void Runner::take_from_mapper() {
 
 RunResult run(sensor::Dataset& dataset, const sensor::Rig& rig, const SlamConfig& config, const Observer& observer,
               atlas::Atlas* atlas) {
-  return Runner(rig, config, observer, atlas).run(dataset);
+  RunResult result = Runner(rig, config, observer, atlas).run(dataset);
+  return_freed_memory();  // who writes the result needs some, and the keyframes do not any more
+  return result;
 }
 
 }  // namespace mmlins::pipeline

@@ -4,6 +4,7 @@
 // surface and not the length of the recording.
 
 #include <Eigen/Core>
+#include <deque>
 #include <vector>
 
 #include "mmlins/keyframe/keyframe.hpp"
@@ -29,7 +30,7 @@ class VoxelMapBuilder {
     float intensity = 0.0F;
   };
 
-  spatial::VoxelTable<Point> cells_;
+  spatial::VoxelTable<Point, std::deque> cells_;
 };
 
 }  // namespace mmlins::pipeline

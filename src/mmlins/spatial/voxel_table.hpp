@@ -16,7 +16,8 @@ namespace mmlins::spatial {
 
 using math::CellIndex;
 
-template <typename Payload>
+/// @tparam Container  of the cells: std::deque where there may be millions, since it grows without a copy of all
+template <typename Payload, template <typename...> typename Container = std::vector>
 class VoxelTable {
  public:
   explicit VoxelTable(double cell_size) : cell_size_(cell_size), inverse_size_(1.0 / cell_size) { rehash(1024); }
@@ -71,8 +72,8 @@ class VoxelTable {
     rehash(std::max<std::size_t>(1024, std::bit_ceil(2 * kept)));
   }
 
-  [[nodiscard]] const std::vector<Payload>& payloads() const { return payloads_; }
-  [[nodiscard]] std::vector<Payload>& payloads() { return payloads_; }
+  [[nodiscard]] const Container<Payload>& payloads() const { return payloads_; }
+  [[nodiscard]] Container<Payload>& payloads() { return payloads_; }
 
  private:
   static constexpr std::uint32_t kEmpty = 0xFFFFFFFF;
@@ -94,8 +95,8 @@ class VoxelTable {
   double inverse_size_;
   int hash_shift_ = 0;
   std::vector<std::uint32_t> slots_;
-  std::vector<std::uint64_t> keys_;
-  std::vector<Payload> payloads_;
+  Container<std::uint64_t> keys_;
+  Container<Payload> payloads_;
 };
 
 }  // namespace mmlins::spatial
