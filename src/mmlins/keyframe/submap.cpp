@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <unordered_map>
 
 #include "mmlins/base/check.hpp"
 #include "mmlins/math/grid.hpp"
+#include "mmlins/spatial/voxel_table.hpp"
 
 namespace mmlins::keyframe {
 
@@ -56,21 +56,19 @@ double travel_of(std::span<const KeyframePointer> keyframes) {
 /// Mean of the points of each voxel, in the order in which voxels were first seen.
 class VoxelMeans {
  public:
-  explicit VoxelMeans(double voxel) : inverse_voxel_(1.0 / voxel) {}
+  explicit VoxelMeans(double voxel) : inverse_voxel_(1.0 / voxel), cells_(voxel) {}
 
   void add(const Vector3d& p, std::uint16_t view) {
-    const std::uint64_t key = math::cell_key(math::cell_at<double>(p, inverse_voxel_));
-    const auto [entry, is_new] = index_.try_emplace(key, cells_.size());
-    if (is_new) cells_.push_back({Vector3d::Zero(), 0, view});
-    Cell& cell = cells_[entry->second];
+    Cell& cell = cells_.payloads()[cells_.find_or_add(math::cell_at<double>(p, inverse_voxel_))];
+    if (cell.count == 0) cell.view = view;
     cell.sum += p;
     ++cell.count;
   }
 
   void write(Submap& submap) const {
-    submap.points.reserve(cells_.size());
-    submap.views.reserve(cells_.size());
-    for (const Cell& cell : cells_) {
+    submap.points.reserve(cells_.payloads().size());
+    submap.views.reserve(cells_.payloads().size());
+    for (const Cell& cell : cells_.payloads()) {
       submap.points.push_back((cell.sum / cell.count).cast<float>());
       submap.views.push_back(cell.view);
     }
@@ -78,13 +76,12 @@ class VoxelMeans {
 
  private:
   struct Cell {
-    Vector3d sum;
-    int count;
-    std::uint16_t view;
+    Vector3d sum = Vector3d::Zero();
+    int count = 0;
+    std::uint16_t view = 0;
   };
   double inverse_voxel_;
-  std::unordered_map<std::uint64_t, std::size_t> index_;
-  std::vector<Cell> cells_;
+  spatial::VoxelTable<Cell> cells_;
 };
 
 }  // namespace

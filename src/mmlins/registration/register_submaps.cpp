@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <unordered_map>
-#include <unordered_set>
 
 #include "mmlins/registration/edge_information.hpp"
 #include "mmlins/registration/linear_system.hpp"
+#include "mmlins/spatial/voxel_table.hpp"
 
 namespace mmlins::registration {
 
@@ -27,11 +27,12 @@ constexpr double kSmallShift = 5e-4;  // [m]
 
 /// Some points, evenly spread: the first of each cell, and of those every n-th. Gives their indices.
 std::vector<std::size_t> sample(std::span<const Eigen::Vector3f> points, double spacing, int max_samples) {
-  std::unordered_set<std::uint64_t> taken;
+  struct Taken {};
+  spatial::VoxelTable<Taken> taken(spacing);
   std::vector<std::size_t> spread;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto cell = math::cell_at<double>(points[i].cast<double>(), 1.0 / spacing);
-    if (taken.insert(math::cell_key(cell)).second) spread.push_back(i);
+    if (taken.find_or_add(cell) == spread.size()) spread.push_back(i);
   }
   const auto limit = static_cast<std::size_t>(max_samples);
   if (spread.size() <= limit) return spread;
