@@ -20,7 +20,7 @@ Matrix6d carried_along(const PoseGraph& graph, int from, int to) {
   for (int k = from; k < to; ++k) {
     const SE3 T_last_k = graph.nodes[static_cast<std::size_t>(to)].T_map_node.inverse() *
                          graph.nodes[static_cast<std::size_t>(k + 1)].T_map_node;
-    const Matrix6d Ad = adjoint(T_last_k);
+    const Matrix6d Ad = math::adjoint(T_last_k);
     sum += Ad * graph.edges[static_cast<std::size_t>(k)].information.inverse() * Ad.transpose();
   }
   return sum;
@@ -48,7 +48,7 @@ TEST(RelativeCovariance, SeenFromTheOtherEndIsCarriedByTheAdjoint) {
   const Chain chain = make_chain({});
   const RelativeCovariance there = covariance_of(chain.graph, 20, 130);
   const RelativeCovariance back = covariance_of(chain.graph, 130, 20);
-  const Matrix6d Ad = adjoint(there.T_i_j);
+  const Matrix6d Ad = math::adjoint(there.T_i_j);
   EXPECT_LT((Ad * there.covariance * Ad.transpose() - back.covariance).norm(), 1e-8 * back.covariance.norm());
 }
 

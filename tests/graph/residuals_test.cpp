@@ -106,7 +106,7 @@ TEST(Adjoint, CarriesStepsThroughAPose) {
   const SE3 T = random_pose(random);
   const Vector6d x = (Vector6d() << 0.1, -0.2, 0.3, 0.4, -0.5, 0.6).finished();
   const SE3 left = T * math::se3_exp(x);
-  const SE3 right = math::se3_exp(adjoint(T) * x) * T;
+  const SE3 right = math::se3_exp(math::adjoint(T) * x) * T;
   EXPECT_LT((left.R - right.R).norm() + (left.t - right.t).norm(), 1e-12);
 }
 

@@ -168,6 +168,18 @@ TEST(MultiMap, TheEdgeAcrossTheGapIsAsGoodAsItSays) {
   expect_honest_gap(long_packet_loss());
 }
 
+TEST(MultiMap, WhatTheNewMapFindsTellsWhereTheImuWentAstray) {
+  const Drive& drive = long_blackout();
+  const GapEdge& gap = *drive.maps.at(1).gap;
+  const DrivenScan& last = scan_at(drive, gap.last);
+  const DrivenScan& first = scan_at(drive, gap.first);
+  const math::SE3 T_last_first = last.T_world_imu.inverse() * first.T_world_imu;
+  const double carried = ((last.T_odom_imu.inverse() * first.T_odom_imu).t - T_last_first.t).norm();
+  // Metres in 25 s, of which the velocity and tilt at the end leave little.
+  EXPECT_GT(carried, 1.0);
+  EXPECT_LT((gap.T_last_first.t - T_last_first.t).norm(), 0.5 * carried);
+}
+
 TEST(MultiMap, NoMapBeginsInABagThatMovesAlong) {
   const Drive& drive = long_bag();
   expect_a_pose_for_every_scan(drive);

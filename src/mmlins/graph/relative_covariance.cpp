@@ -131,7 +131,7 @@ class CovarianceSolver {
     if (i == j || unknowns_.size == 0) return result;
     // A step of i is seen from j through the adjoint.
     MatrixXd J = MatrixXd::Zero(unknowns_.size, 6);
-    place(i, -adjoint(result.T_i_j.inverse()), J);
+    place(i, -math::adjoint(result.T_i_j.inverse()), J);
     place(j, Matrix6d::Identity(), J);
     result.covariance = covariance_of(J);
     return result;

@@ -77,10 +77,4 @@ bool is_information(const Matrix6d& information) {
   return scaled_eigen(information, scales).eigenvalues()(0) > -kRounding;
 }
 
-Matrix6d adjoint(const SE3& T) {
-  Matrix6d Ad;
-  Ad << T.R, Matrix3d::Zero(), math::skew(T.t) * T.R, T.R;
-  return Ad;
-}
-
 }  // namespace mmlins::graph

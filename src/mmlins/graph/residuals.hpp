@@ -40,7 +40,4 @@ inline constexpr double kRankTolerance = 1e-12;
 /// True for finite symmetric matrices without negative eigenvalues, to rounding.
 [[nodiscard]] bool is_information(const Matrix6d& information);
 
-/// The adjoint of T for tangents [rotation; translation]: T Exp(x) = Exp(Ad x) T.
-[[nodiscard]] Matrix6d adjoint(const SE3& T);
-
 }  // namespace mmlins::graph

@@ -35,14 +35,18 @@ Estimate transformed(const math::SE3& T_new_odom, const Estimate& estimate) {
   return result;
 }
 
-Estimate with_pose_taken_for_granted(const Estimate& estimate) {
-  const NavState& state = estimate.state;
+ErrorMatrix jacobian_of_granted_pose(const NavState& state) {
   ErrorMatrix J = ErrorMatrix::Identity();
   J.block<6, kErrorSize>(0, 0).setZero();
   J.block<3, 3>(kVelocity, kRotation) = math::skew(state.v_odom) * state.R_odom_imu;
   J.block<2, 3>(kGravityDirection, kRotation) =
       sphere_coordinates(state.gravity_odom) * math::skew(state.gravity_odom) * state.R_odom_imu;
-  Estimate result{state, J * estimate.P * J.transpose()};
+  return J;
+}
+
+Estimate with_pose_taken_for_granted(const Estimate& estimate) {
+  const ErrorMatrix J = jacobian_of_granted_pose(estimate.state);
+  Estimate result{estimate.state, J * estimate.P * J.transpose()};
   result.P.topLeftCorner<6, 6>() = kDefinedByFrame * kDefinedByFrame * math::Matrix6d::Identity();
   return result;
 }

@@ -11,6 +11,8 @@ namespace mmlins::imu {
 /// The same with its covariance. Eq. (24).
 [[nodiscard]] Estimate transformed(const math::SE3& T_new_odom, const Estimate& estimate);
 
+/// Derivative of the error that somebody sees who takes the pose of `state` for granted, by that of `state`. Eq. (25).
+[[nodiscard]] ErrorMatrix jacobian_of_granted_pose(const NavState& state);
 /// The estimate of somebody who takes the present pose for granted, because a new map begins here: what was
 /// unknown of the attitude becomes unknown of velocity and gravity, and what was unknown of the place is
 /// dropped. Eq. (25).

@@ -96,6 +96,12 @@ Propagation propagate(const Estimate& start, const sensor::ImuSamples& samples, 
   return result;
 }
 
+math::Matrix6d pose_covariance(const Estimate& estimate) {
+  math::Matrix6d to_body = math::Matrix6d::Identity();
+  to_body.bottomRightCorner<3, 3>() = estimate.state.R_odom_imu.transpose();
+  return to_body * estimate.P.topLeftCorner<6, 6>() * to_body.transpose();
+}
+
 double tilt_deviation(const Estimate& estimate) {
   const Matrix3d Rt = estimate.state.R_odom_imu.transpose();
   const Vector3d down = (Rt * estimate.state.gravity_odom).normalized();

@@ -23,6 +23,9 @@ struct Estimate {
   ErrorMatrix P = ErrorMatrix::Identity();  ///< covariance of the error of `state`
 };
 
+/// Covariance of the pose alone, of the error e in T_odom_imu Exp(e), [rotation; translation].
+[[nodiscard]] math::Matrix6d pose_covariance(const Estimate& estimate);
+
 /// Largest standard deviation of the direction of gravity as the IMU sees it: that of attitude and of gravity in odom
 /// together. docs/math/initialization.md, Eq. (15) [rad].
 [[nodiscard]] double tilt_deviation(const Estimate& estimate);

@@ -16,6 +16,12 @@ Vector6d se3_log(const SE3& T) {
   return x;
 }
 
+Matrix6d adjoint(const SE3& T) {
+  Matrix6d Ad;
+  Ad << T.R, Matrix3d::Zero(), skew(T.t) * T.R, T.R;
+  return Ad;
+}
+
 SE3 interpolate(const SE3& T_a_from, const SE3& T_a_to, double s) {
   const Vector3d w = so3_log(Matrix3d(T_a_from.R.transpose() * T_a_to.R));
   return {T_a_from.R * so3_exp(s * w), T_a_from.t + s * (T_a_to.t - T_a_from.t)};

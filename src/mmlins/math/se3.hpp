@@ -32,6 +32,9 @@ struct SE3 {
 /// Group logarithm; inverse of se3_exp for rotations below pi.
 [[nodiscard]] Vector6d se3_log(const SE3& T);
 
+/// The adjoint of T: T Exp(x) = Exp(Ad x) T.
+[[nodiscard]] Matrix6d adjoint(const SE3& T);
+
 /// The pose at fraction `s` in [0, 1] between two poses: rotation along the geodesic, translation linear.
 [[nodiscard]] SE3 interpolate(const SE3& T_a_from, const SE3& T_a_to, double s);
 

@@ -8,6 +8,7 @@
 
 #include "mmlins/base/log.hpp"
 #include "mmlins/base/stopwatch.hpp"
+#include "mmlins/imu/hindsight.hpp"
 
 namespace mmlins::odometry {
 namespace {
@@ -177,18 +178,35 @@ void LidarInertialOdometry::fall_asleep(Cause cause) {
                to_seconds(tracker_->estimate().state.time.time_since_epoch()), to_string(cause));
 }
 
-void LidarInertialOdometry::wake_in_new_map() {
+GapEdge LidarInertialOdometry::gap_to_new_map() const {
   const imu::Estimate& last = tracker_->last_trusted();
   const imu::Estimate& first = restart_->begin();
   GapEdge gap{maps_.back().id, last.state.time, first.state.time,
-              last.state.T_odom_imu().inverse() * first.state.T_odom_imu(), !imu_was_silent_, first.P.topLeftCorner<6, 6>()};
-  math::Matrix6d to_body = math::Matrix6d::Identity();
-  to_body.bottomRightCorner<3, 3>() = first.state.R_odom_imu.transpose();
-  gap.covariance = to_body * gap.covariance * to_body.transpose();
+              last.state.T_odom_imu().inverse() * first.state.T_odom_imu(), !imu_was_silent_, imu::pose_covariance(first)};
+  // Without a prior the trial knows nothing of how what it found hangs together with what was carried.
+  if (!gap.is_known || !restart_->has_prior()) return gap;
+  const imu::Estimate& now = restart_->tracker().estimate();
+  const auto carried = imu::in_hindsight(tracker_->estimate(), now);
+  if (!carried) {
+    log::warning("what map {} found contradicts what the IMU carried: nothing is known of the way to it", maps_.size());
+    gap.is_known = false;
+    return gap;
+  }
+  const math::SE3 T_now_first = now.state.T_odom_imu().inverse() * first.state.T_odom_imu();
+  gap.T_last_first = last.state.T_odom_imu().inverse() * carried->state.T_odom_imu() * T_now_first;
+  const math::Matrix6d to_first = math::adjoint(T_now_first.inverse());
+  gap.covariance = to_first * imu::pose_covariance(*carried) * to_first.transpose();
+  return gap;
+}
+
+void LidarInertialOdometry::wake_in_new_map() {
+  const GapEdge gap = gap_to_new_map();
+  const math::SE3 T_map_last = tracker_->T_odom_map().inverse() * tracker_->last_trusted().state.T_odom_imu();
+  const math::SE3 T_map_first = restart_->tracker().T_odom_map().inverse() * restart_->begin().state.T_odom_imu();
   const std::string verdict = restart_->verdict();
   const Time now = restart_->tracker().estimate().state.time;
-  maps_.push_back({static_cast<int>(maps_.size()), restart_->beginning(), first.state.time, now, Cause::kNone, gap,
-                   maps_.back().T_first_map * tracker_->T_odom_map().inverse() * restart_->tracker().T_odom_map()});
+  maps_.push_back({static_cast<int>(maps_.size()), restart_->beginning(), gap.first, now, Cause::kNone, gap,
+                   maps_.back().T_first_map * T_map_last * gap.T_last_first * T_map_first.inverse()});
   const math::SE3 T_odom_imu = tracker_->estimate().state.T_odom_imu();
   tracker_ = restart_->take();
   tracker_->call_the_pose(with_heading_of(T_odom_imu, tracker_->estimate().state.T_odom_imu()));

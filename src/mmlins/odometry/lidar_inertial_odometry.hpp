@@ -56,6 +56,8 @@ class LidarInertialOdometry {
   /// What to do with a scan that the active map does not explain; changes the result's state.
   void look_for_a_way_on(const ScanPointer& scan, const imu::Estimate& before, ScanResult& result);
   void fall_asleep(Cause cause);
+  /// The way from the last scan that the old map explained to the beginning of the new one.
+  [[nodiscard]] GapEdge gap_to_new_map() const;
   void wake_in_new_map();
   void learn_from(const ScanResult& result);
   [[nodiscard]] std::vector<ScanResult> try_to_start(const OdometryConfig& config);

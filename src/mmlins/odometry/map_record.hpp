@@ -17,13 +17,14 @@ enum class MapBeginning {
 
 [[nodiscard]] std::string_view to_string(MapBeginning beginning);
 
-/// The motion that the IMU alone carried, from the last scan believed in one map to the beginning of the next.
+/// The motion that the IMU alone carried, from the last scan believed in one map to the beginning of the next, as it looks
+/// from there: velocity, gravity and biases that the new map found tell where the IMU went astray (imu/hindsight.hpp).
 struct GapEdge {
   int from_map = 0;
   Time last;                 ///< in the map before
   Time first;                ///< in this one
   math::SE3 T_last_first;    ///< maps the IMU frame at `first` to that at `last`
-  bool is_known = true;      ///< false if the IMU was silent on the way: then nothing is known of the motion
+  bool is_known = true;      ///< false if the IMU was silent on the way, or cannot have led to what the new map found
   math::Matrix6d covariance = math::Matrix6d::Zero();  ///< of the error e in T Exp(e), [rotation; translation]
 };
 

@@ -82,6 +82,8 @@ Fields RestartConfig::fields() {
       field("patience", patience, "s", {0.2, 600.0}, "after this much of not proving itself the trial begins anew"),
       field("min_explained", min_explained, "", {0.0, 1.0},
             "a new map that explains less of its scans than this share is none: what moves about the sensor matches here and there"),
+      field("min_explained_collapsed", min_explained_collapsed, "", {0.0, 1.0},
+            "the same of scans that have collapsed to what is near: it may be a cover"),
       field("pose_deviation", pose_deviation, "m", {0.0, 1.0},
             "what poses from a young map may be off by besides their noise, when velocity and gravity are found from them"),
       field("pose_deviation_deg", pose_deviation_deg, "deg", {0.0, 10.0}, "the same for rotation"),

@@ -79,6 +79,7 @@ struct RestartConfig {
   double trial = 0.6;
   double patience = 3.0;
   double min_explained = 0.35;
+  double min_explained_collapsed = 0.6;
   double pose_deviation = 0.005;
   double pose_deviation_deg = 0.03;
   double confirming_motion = 0.5;

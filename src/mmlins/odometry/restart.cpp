@@ -74,7 +74,7 @@ Restart::Progress Restart::add_with_prior(const Scan& scan, const sensor::ImuBuf
   if (elapsed < config_.restart.trial) return Progress::kOnTrial;
   if (is_collapsed && !has_seen_motion()) {
     verdict_ = "the scans have collapsed and show no motion";
-  } else if (initialize(imu) && explains_enough()) {
+  } else if (initialize(imu) && explains_enough(is_collapsed)) {
     return Progress::kProven;
   }
   return elapsed < config_.restart.patience ? Progress::kOnTrial : Progress::kFailed;
@@ -159,11 +159,11 @@ void Restart::take(const ScanResult& result) {
   explained_.push_back(result.explained);
 }
 
-bool Restart::explains_enough() {
+bool Restart::explains_enough(bool is_collapsed) {
   const std::size_t num = std::min(explained_.size(), kLatest);
   const double share = std::accumulate(explained_.end() - static_cast<std::ptrdiff_t>(num), explained_.end(), 0.0) /
                        static_cast<double>(num);
-  if (share >= config_.restart.min_explained) return true;
+  if (share >= (is_collapsed ? config_.restart.min_explained_collapsed : config_.restart.min_explained)) return true;
   verdict_ = fmt::format("the new map explains {:.0f} % of the scans", 100.0 * share);
   return false;
 }

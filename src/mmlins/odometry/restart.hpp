@@ -40,6 +40,7 @@ class Restart {
   /// Why the trial failed, or has not been passed yet; when it has, with which figures.
   [[nodiscard]] const std::string& verdict() const { return verdict_; }
   [[nodiscard]] const imu::Estimate& begin() const { return begin_; }
+  [[nodiscard]] bool has_prior() const { return prior_ == Prior::kCarried; }
   [[nodiscard]] MapBeginning beginning() const { return beginning_; }
   [[nodiscard]] const ScanTracker& tracker() const { return *tracker_; }
   [[nodiscard]] std::unique_ptr<ScanTracker> take() { return std::move(tracker_); }
@@ -58,7 +59,7 @@ class Restart {
   [[nodiscard]] bool go_over_again(const initialization::MapSolution& solution, const sensor::ImuBuffer& imu);
   void take(const ScanResult& result);
   /// Whether the new map explains the latest scans well enough to be a map of anything.
-  [[nodiscard]] bool explains_enough();
+  [[nodiscard]] bool explains_enough(bool is_collapsed);
   /// Whether the scans themselves saw the robot move by a good deal.
   [[nodiscard]] bool has_seen_motion() const;
 

@@ -45,13 +45,6 @@ ScanRecord to_record(const odometry::ScanResult& result, double read_ms) {
   return record;
 }
 
-/// In T_odom_imu Exp(e).
-math::Matrix6d pose_covariance(const imu::Estimate& estimate) {
-  math::Matrix6d to_body = math::Matrix6d::Identity();
-  to_body.bottomRightCorner<3, 3>() = estimate.state.R_odom_imu.transpose();
-  return to_body * estimate.P.topLeftCorner<6, 6>() * to_body.transpose();
-}
-
 /// Systems that ours is compared with know nothing of it.
 bool feeds_back(const mapping::MappingConfig& config) {
   const bool is_ours = config.fusion == mapping::FusionKind::kDefault || config.fusion == mapping::FusionKind::kOff;
@@ -191,7 +184,7 @@ void Runner::begin_map(const odometry::MapRecord& map) {
 void Runner::hand_on(const odometry::ScanResult& result, const math::SE3& T_map_imu) {
   while (latest_map_ < result.map_id) begin_map(odometry_->maps()[static_cast<std::size_t>(latest_map_ + 1)]);
   if (!odometry::is_placed(result.state)) {
-    bridged_ = pose_covariance(result.estimate);
+    bridged_ = imu::pose_covariance(result.estimate);
     // What was seen until now is handed on at once: it may be long before there is more.
     if (is_far_carried(*bridged_)) finish_keyframe();
     return;
@@ -227,7 +220,7 @@ void Runner::finish_keyframe() {
 void Runner::hand_on(keyframe::Keyframe keyframe, const imu::Estimate& estimate) {
   result_.mapping.keyframes.push_back({keyframe.time, keyframe.map_id, keyframe.T_map_imu, {}});
   const auto shared = std::make_shared<const keyframe::Keyframe>(std::move(keyframe));
-  back_end_.add(NewKeyframe{shared, pose_covariance(estimate)});
+  back_end_.add(NewKeyframe{shared, imu::pose_covariance(estimate)});
   if (!feeds_back(config_.mapping)) return;
   latest_.push_back(shared);
   take_back();

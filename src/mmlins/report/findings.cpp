@@ -106,7 +106,7 @@ void find_carried(const RunResult& result, std::vector<Finding>& list) {
 /// How well a map that was joined to no other is placed.
 Finding placement_of(const odometry::MapRecord& map) {
   if (!map.gap) return {Level::kBad, "nothing tells where it lies"};
-  if (!map.gap->is_known) return {Level::kBad, "the IMU was silent in the gap before it, so nobody knows where it lies"};
+  if (!map.gap->is_known) return {Level::kBad, "the IMU was silent in the gap before it or went wrong, so nobody knows where it lies"};
   const double std = map.gap->covariance.diagonal().tail<3>().cwiseMax(0.0).cwiseSqrt().maxCoeff();
   return {std > kUsable ? Level::kBad : Level::kWarning,
           fmt::format("what the IMU felt tells where it lies, over the {:.1f} s before it to about {:.2g} m",
