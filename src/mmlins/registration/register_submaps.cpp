@@ -96,21 +96,21 @@ void iterate(Progress& progress, const std::vector<Vector3d>& samples, const Mat
   }
 }
 
-/// In x, y, z and yaw, from large cells to small ones. All of this only leads to where the last stage begins,
-/// which is to see all samples: for this a few are as good.
+/// In x, y, z and yaw, from large cells to small ones. The large ones find the way from far off, for which
+/// every sample helps; the smallest only lead to where the last stage begins, for which a few are as good.
 void approach(Progress& progress, const PreparedSubmap& source, const PreparedSubmap& target,
               const RegistrationConfig& config) {
   const double noise2 = config.surface.point_noise * config.surface.point_noise;
   const double share = static_cast<double>(source.few_samples.size()) /
                        static_cast<double>(std::max<std::size_t>(1, source.samples.size()));
-  const int min_matches = static_cast<int>(std::ceil(share * kMinMatches));
+  const int min_of_few = static_cast<int>(std::ceil(share * kMinMatches));
   double kernel = config.coarse_kernel;
-  for (const GaussianMap& level : target.levels) {
+  for (std::size_t i = 0; i < target.levels.size() && progress.enough; ++i) {
     // Far off, all surfaces are equally uncertain; the thinnest must not decide alone.
-    const double blur2 = noise2 + 0.25 * kernel * kernel;
-    iterate(progress, source.few_samples, {&level, nullptr, 1.0, kernel, blur2},
-            {true, min_matches, config.max_iterations});
-    if (!progress.enough) return;
+    const Matching matching{&target.levels[i], nullptr, 1.0, kernel, noise2 + 0.25 * kernel * kernel};
+    const bool are_smallest = i + 1 == target.levels.size();
+    iterate(progress, are_smallest ? source.few_samples : source.samples, matching,
+            {true, are_smallest ? min_of_few : kMinMatches, config.max_iterations});
     kernel = std::max(0.5 * kernel, config.fine_kernel);
   }
 }
