@@ -142,10 +142,12 @@ def back_end_share(figures: dict) -> str:
 
 
 def work_shares(chosen: list[dict]) -> str:
-    """Of all work, in percent: detection / initialisation / fusion."""
-    total = sum(f["work_s"]["all"] for f in chosen)
-    return " / ".join(f"{100.0 * sum(f['work_s'][name] for f in chosen) / total:.1f}"
-                      for name in ("detection", "initialisation", "fusion"))
+    """Detection / initialisation / fusion in percent: of all work, and of the time that the recordings last."""
+    def shares(whole: float, digits: int) -> str:
+        return " / ".join(f"{100.0 * sum(f['work_s'][name] for f in chosen) / whole:.{digits}f}"
+                          for name in ("detection", "initialisation", "fusion"))
+    return (f"{shares(sum(f['work_s']['all'] for f in chosen), 1)} | "
+            f"{shares(sum(f['duration_s'] for f in chosen), 2)}")
 
 
 def good(figures: list[dict]) -> list[dict]:

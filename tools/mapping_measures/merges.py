@@ -28,7 +28,7 @@ def item_of(name: str, seed: int, method: str) -> Item:
 def table(all_figures: list[dict], cache: pathlib.Path) -> list[str]:
     chosen = good(all_figures)
     twins = twin_ates(cache, figures_in)
-    lines = [summary_head(), "|" + "---|" * 13]
+    lines = [summary_head(), "|" + "---|" * 14]
     for key in sorted({(f["group"], f["method"]) for f in chosen}):
         lines.append(summary_row(f"{key[0]} | {key[1]}", [f for f in chosen if (f["group"], f["method"]) == key], twins))
     lines += ["", "| scenario, seed | method | maps / worlds | merges: true / false / missed | worst merge [m / deg] | "
@@ -40,7 +40,7 @@ def table(all_figures: list[dict], cache: pathlib.Path) -> list[str]:
 def summary_head() -> str:
     return ("| set | method | runs | merges: true / false / missed | found | within 0.1 m and 0.3 deg | "
             "transform error, median [m / deg] | end to end within 0.05 m | placed ATE within 1.2 times that without "
-            "events | ATE, median [m] | of odometry.tum | worse than odometry.tum | detection / initialisation / fusion, of all work [%] |")
+            "events | ATE, median [m] | of odometry.tum | worse than odometry.tum | detection / initialisation / fusion, of all work [%] | of the recordings' time [%] |")
 
 
 def counts(chosen: list[dict]) -> tuple[int, int, int]:

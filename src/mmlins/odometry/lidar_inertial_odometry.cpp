@@ -183,8 +183,8 @@ GapEdge LidarInertialOdometry::gap_to_new_map() const {
   const imu::Estimate& first = restart_->begin();
   GapEdge gap{maps_.back().id, last.state.time, first.state.time,
               last.state.T_odom_imu().inverse() * first.state.T_odom_imu(), !imu_was_silent_, imu::pose_covariance(first)};
-  // Without a prior the trial knows nothing of how what it found hangs together with what was carried.
-  if (!gap.is_known || !restart_->has_prior()) return gap;
+  // What was found without regard to what was carried does not tell how the two hang together.
+  if (!gap.is_known || !restart_->has_used_prior()) return gap;
   const imu::Estimate& now = restart_->tracker().estimate();
   const auto carried = imu::in_hindsight(tracker_->estimate(), now);
   if (!carried) {

@@ -40,7 +40,10 @@ class Restart {
   /// Why the trial failed, or has not been passed yet; when it has, with which figures.
   [[nodiscard]] const std::string& verdict() const { return verdict_; }
   [[nodiscard]] const imu::Estimate& begin() const { return begin_; }
-  [[nodiscard]] bool has_prior() const { return prior_ == Prior::kCarried; }
+  /// Whether what was found rests on what was carried, and says so with its covariance.
+  [[nodiscard]] bool has_used_prior() const {
+    return prior_ == Prior::kCarried && config_.initialization.mode != initialization::InitializationMode::kPaper;
+  }
   [[nodiscard]] MapBeginning beginning() const { return beginning_; }
   [[nodiscard]] const ScanTracker& tracker() const { return *tracker_; }
   [[nodiscard]] std::unique_ptr<ScanTracker> take() { return std::move(tracker_); }

@@ -38,6 +38,7 @@ struct LinearSystem {
   LinearSystem& operator+=(const LinearSystem& other);
 };
 
+/// The surface that a point in the target's frame belongs to; none within reach.
 [[nodiscard]] std::optional<SurfaceMatch> find_surface(const math::Vector3d& p_target,
                                                        const Matching& matching);
 [[nodiscard]] std::optional<Residual> residual_of(const math::Vector3d& p_source,

@@ -47,7 +47,7 @@ void find_reading_faults(const ReportInput& input, std::vector<Finding>& list) {
   if (!result.read_error.empty()) {
     list.push_back({Level::kBad, "Reading the recording ended early: " + result.read_error + ". Everything before is here."});
   }
-  if (result.interrupted) list.push_back({Level::kWarning, "The run was interrupted; this is what there was until then."});
+  if (result.interrupted) list.emplace_back(Level::kWarning, "The run was interrupted; this is what there was until then.");
   if (!result.mapping.error.empty()) list.push_back({Level::kBad, "The back end failed: " + result.mapping.error + "."});
   if (result.num_scans_without_imu > 0) {
     list.push_back({Level::kNote, fmt::format("{} before the IMU began left out.",
