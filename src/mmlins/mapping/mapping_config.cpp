@@ -21,6 +21,8 @@ Fields LoopConfig::fields() {
   return {
       field("min_travel", min_travel, "m", {1.0, 10000.0}, "way after which a place of the same map may be met again"),
       field("near", near, "m", {0.0, 100.0}, "between submaps that can overlap well"),
+      field("near_between_maps", near_between_maps, "m", {0.0, 100.0},
+            "the same of maps that are not joined yet: little is enough, if it comes early"),
       field("search", search, "m", {0.0, 100.0}, "radius of the search around a predicted place, at most"),
       field("direct", direct, "m", {0.0, 10.0}, "standard deviation of a prediction that needs no search"),
       field("direct_deg", direct_deg, "deg", {0.0, 45.0}, "the same of its heading"),

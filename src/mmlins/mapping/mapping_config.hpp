@@ -31,6 +31,7 @@ struct LinkConfig {
 struct LoopConfig {
   double min_travel = 30.0;
   double near = 8.0;
+  double near_between_maps = 20.0;
   double search = 30.0;
   double direct = 1.0;
   double direct_deg = 4.0;

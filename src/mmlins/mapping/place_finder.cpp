@@ -68,7 +68,8 @@ std::vector<PlaceCandidate> PlaceFinder::predicted(const SubmapRecord& source, c
   for (std::size_t i = 0; i < records.size(); ++i) {
     if (!graph_.are_connected(records[i].map_id, source.map_id) || !may_be_met_again(source, records[i])) continue;
     const double distance = (graph_.T_world_keyframe(records[i].id).t - T_world_source.t).norm();
-    if (distance < config_.loop.near + 2.0 * config_.loop.search) nearest.emplace_back(distance, i);
+    const double near = std::max(config_.loop.near, config_.loop.near_between_maps);
+    if (distance < near + 2.0 * config_.loop.search) nearest.emplace_back(distance, i);
   }
   std::sort(nearest.begin(), nearest.end());
   if (nearest.size() > kMaxPredicted) nearest.resize(kMaxPredicted);
@@ -81,7 +82,9 @@ std::vector<PlaceCandidate> PlaceFinder::predicted(const SubmapRecord& source, c
     if (static_cast<int>(candidates.size()) >= config_.loop.num_predicted) break;
     if (!priors[k]) continue;
     const PosePrior prior = of_submaps(*priors[k], records[nearest[k].second], source);
-    if (nearest[k].first > config_.loop.near + 2.0 * position_deviation(prior)) continue;
+    const bool is_joined = graph_.world_of(source.map_id) == graph_.world_of(records[nearest[k].second].map_id);
+    const double near = is_joined ? config_.loop.near : config_.loop.near_between_maps;
+    if (nearest[k].first > near + 2.0 * position_deviation(prior)) continue;
     if (auto candidate = around(source, submap, nearest[k].second, prior)) candidates.push_back(std::move(*candidate));
   }
   return candidates;
