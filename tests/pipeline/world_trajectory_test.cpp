@@ -151,6 +151,36 @@ TEST(WorldTrajectory, MeasuresTheErrorByWhatTheImuMadeOfTheEnd) {
   EXPECT_LT(worst, 0.03 * 0.5 * dark * dark * error.norm());
 }
 
+// Somebody carried the robot on while the IMU was silent, and it drove on 2 s before a new map had its velocity: what was
+// carried until then has the wrong place, attitude and velocity, but felt the right forces.
+TEST(WorldTrajectory, PutsAllThatIsUnknownIntoTheTimeWithoutImu) {
+  const Vector3d gravity(0.0, 0.0, -9.81), v_wrong(0.8, -1.1, 0.3);
+  const SE3 T_odom_world{math::so3_exp({0.03, -0.05, 0.4}), {2.0, 1.0, -0.5}};
+  const Vector3d gravity_wrong = gravity - T_odom_world.R * gravity;
+  Recording recording(2.0, 1, {}, Vector3d::Zero());
+  const std::size_t first = 30;
+  const auto carried = [&](std::size_t i) {
+    const double t = 0.1 * static_cast<double>(i - first);
+    SE3 T_odom_imu = T_odom_world * recording.true_poses[i];
+    T_odom_imu.t += t * v_wrong + 0.5 * t * t * gravity_wrong;
+    const Vector3d v_odom = T_odom_world.R * recording.true_poses[i].R * Vector3d(kSpeed, 0.0, 0.0) + v_wrong + t * gravity_wrong;
+    return CarriedPose{T_odom_imu, T_odom_imu.R.transpose() * v_odom};
+  };
+  std::size_t i = first;
+  for (; !recording.scans[i].is_placed; ++i) {
+    recording.scans[i].T_odom_imu = carried(i).T_odom_imu;
+    recording.scans[i].v_imu = carried(i).v_imu;
+  }
+  recording.scans[i].carried = carried(i);
+  const std::vector<SE3> smoothed = recording.trajectory();
+  EXPECT_GT(apart(smoothed[first + 5], recording.true_poses[first + 5]), 0.3);
+  recording.scans[first].is_cut_off = true;
+  const std::vector<SE3> poses = recording.trajectory();
+  for (i = 0; i < poses.size(); ++i) {
+    EXPECT_LT(math::se3_log(poses[i].inverse() * recording.true_poses[i]).norm(), 1e-9) << i;
+  }
+}
+
 TEST(WorldTrajectory, CarriesOnWithoutAnEnd) {
   Recording recording(4.0, 0, {}, Vector3d::Zero());
   recording.scans.resize(60);  // it ends in the dark

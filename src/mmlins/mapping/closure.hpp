@@ -56,7 +56,7 @@ struct Closure {
 
 /// Two worlds that became one. A world is a set of maps that were joined; its number is that of its first map.
 struct Merge {
-  int id = 0;
+  int id = 0;  ///< its position
   Time time;
   int world = 0;  ///< that moved
   int into = 0;
@@ -69,6 +69,9 @@ struct Merge {
   std::vector<int> into_maps;   ///< of the other
   std::optional<Time> undone;   ///< when it was taken back, if it was
   std::string why_undone;
+
+  /// What users and the atlas call it: from 1 on.
+  [[nodiscard]] int number() const { return id + 1; }
 };
 
 }  // namespace mmlins::mapping

@@ -241,7 +241,7 @@ void WorldMerger::dissolve(int merge_id, const std::string& why) {
   for (std::size_t later = worlds_.merges.size(); later-- > static_cast<std::size_t>(merge_id) + 1;) {
     const Merge& other = worlds_.merges[later];
     const bool rests_on_it = graph.world_of(other.into) == graph.world_of(merge.into);
-    if (!other.undone && rests_on_it) dissolve(static_cast<int>(later), fmt::format("merge {} was taken back", merge_id));
+    if (!other.undone && rests_on_it) dissolve(static_cast<int>(later), fmt::format("merge {} was taken back", merge.number()));
   }
   log::warning("map {} is no longer joined to map {}: {}", merge.world, merge.into, why);
   graph.separate(merge.moved_maps, merge.T_new_old);

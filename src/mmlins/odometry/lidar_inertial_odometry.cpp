@@ -90,7 +90,8 @@ ScanResult LidarInertialOdometry::track_with_doubt(const ScanPointer& scan) {
 
 void LidarInertialOdometry::look_for_a_way_on(const ScanPointer& scan, const imu::Estimate& before, ScanResult& result) {
   const ScanTracker::Drift drift = tracker_->drift();
-  if (imu_.longest_gap(before.state.time, result.time) > from_seconds(imu::kLongestStep)) imu_was_silent_ = true;
+  result.imu_was_silent = imu_.longest_gap(before.state.time, result.time) > from_seconds(imu::kLongestStep);
+  imu_was_silent_ = imu_was_silent_ || result.imu_was_silent;
   if (!asleep_ && imu_was_silent_) fall_asleep(Cause::kImuGap);
   if (!asleep_ && (drift.position > config_.restart.max_drift ||
                    drift.rotation > config_.restart.max_drift_deg * std::numbers::pi / 180.0)) {

@@ -111,16 +111,15 @@ void MapperJournal::add_merges(const mapping::BackEndMapper& mapper, MapperChang
   const std::vector<mapping::Merge>& merges = mapper.merges();
   for (std::size_t i = 0; i < merges.size(); ++i) {
     const mapping::Merge& merge = merges[i];
-    const int id = static_cast<int>(i) + 1;
     if (i < merge_stands_.size()) {
       if (!merge.undone || !merge_stands_[i]) continue;
-      change.graph.undone_merges.push_back({id, evidence_of(merge)});
+      change.graph.undone_merges.push_back({merge.number(), evidence_of(merge)});
       merge_stands_[i] = false;
       continue;
     }
     const math::SE3 T_after =
         mapper.map_graph().graph().anchors[static_cast<std::size_t>(merge.world)].T_world_map;
-    change.graph.new_merges.push_back({id, merge.time, merge.world, merge.into, "merge", evidence_of(merge),
+    change.graph.new_merges.push_back({merge.number(), merge.time, merge.world, merge.into, "merge", evidence_of(merge),
                                        merge.T_new_old.inverse() * T_after, T_after,
                                        merge.undone.has_value()});
     merge_stands_.push_back(!merge.undone);

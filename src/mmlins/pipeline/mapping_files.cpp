@@ -45,7 +45,7 @@ std::string merges_json(const RunResult& result) {
                             {"state", std::string(to_string(c.state))}, {"overlap", c.overlap}, {"residual_rms_m", c.residual_rms}});
       }
     }
-    merges.push_back({{"id", merge.id},
+    merges.push_back({{"id", merge.number()},
                       {"time", stamp(merge.time)},
                       {"map", merge.world},
                       {"into", merge.into},

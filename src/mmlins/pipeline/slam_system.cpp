@@ -24,6 +24,7 @@ ScanRecord to_record(const odometry::ScanResult& result, double read_ms) {
   if (result.carried) {
     record.carried = {result.carried->T_odom_imu(), result.carried->R_odom_imu.transpose() * result.carried->v_odom};
   }
+  record.imu_was_silent = result.imu_was_silent;
   record.down_imu = state.R_odom_imu.transpose() * state.gravity_odom.normalized();
   record.tilt_std = imu::tilt_deviation(result.estimate);
   record.state = result.state;
@@ -254,7 +255,7 @@ void Runner::settle() {
     // The scan with which a map begins is the last of its trial, but has its place in it already.
     const bool begins_map = !scans.empty() && scans.back().map_id != r.map_id;
     scans.push_back(
-        {r.time, r.map_id, odometry::is_placed(r.state) || begins_map, r.T_map_imu, r.T_odom_imu, r.v_imu, r.carried});
+        {r.time, r.map_id, odometry::is_placed(r.state) || begins_map, r.T_map_imu, r.T_odom_imu, r.v_imu, r.carried, r.imu_was_silent});
   }
   const std::vector<math::SE3> poses = world_trajectory(scans, mapping.keyframes, rig_);
   for (std::size_t i = 0; i < poses.size(); ++i) result_.scans[i].T_world_imu = poses[i];

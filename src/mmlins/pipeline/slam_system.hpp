@@ -26,6 +26,7 @@ struct ScanRecord {
   math::SE3 T_map_imu;          ///< in the frame of its own map
   math::SE3 T_world_imu;        ///< in the frame of the first map, as known at the end of the run
   std::optional<CarriedPose> carried;  ///< by the IMU alone from the scan before
+  bool imu_was_silent = false;         ///< for part of the way from the scan before
   int map_id = 0;
   math::Vector3d v_imu = math::Vector3d::Zero();             ///< velocity along the axes of the IMU [m/s]
   math::Vector3d down_imu = -math::Vector3d::UnitZ();         ///< unit, where gravity points, along the axes of the IMU

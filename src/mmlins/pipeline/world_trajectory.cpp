@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "mmlins/imu/nav_state.hpp"
 #include "mmlins/pipeline/carried_stretch.hpp"
 
 namespace mmlins::pipeline {
@@ -60,6 +61,36 @@ void fit_between(std::span<const ScanPlace> scans, std::span<SE3> poses, std::si
   poses[end] = T_world_end;
 }
 
+/// What the IMU carried from some scan that is not placed, first to last, to the placed scan after them, seen from there:
+/// its attitude, velocity and gravity are those of the end, whatever it thought of them before. Eq. (7a).
+void carry_back(std::span<const ScanPlace> scans, std::span<SE3> poses, std::size_t first, std::size_t last) {
+  const ScanPlace& end = scans[last + 1];
+  const SE3& T_world_end = poses[last + 1];
+  const SE3 T_odom_end = end.carried ? end.carried->T_odom_imu : end.T_odom_imu;
+  const math::Vector3d v_odom_end = T_odom_end.R * (end.carried ? end.carried->v_imu : scans[last].v_imu);
+  const math::Matrix3d R_world_odom = T_world_end.R * T_odom_end.R.transpose();
+  const math::Vector3d v_wrong = T_world_end.R * end.v_imu - R_world_odom * v_odom_end;
+  const math::Vector3d gravity(0.0, 0.0, -imu::kGravity);
+  const math::Vector3d gravity_wrong = gravity - R_world_odom * gravity;
+  for (std::size_t i = first; i <= last; ++i) {
+    const double ahead = to_seconds(end.time - scans[i].time);
+    const SE3& T_odom_imu = scans[i].T_odom_imu;
+    poses[i].R = R_world_odom * T_odom_imu.R;
+    poses[i].t = T_world_end.t - R_world_odom * (T_odom_end.t - T_odom_imu.t) - ahead * v_wrong +
+                 0.5 * ahead * ahead * gravity_wrong;
+  }
+}
+
+/// Puts the scans first to last, between two that are placed, where they belong.
+void bridge_over(std::span<const ScanPlace> scans, std::span<SE3> poses, std::size_t first, std::size_t last,
+                 const sensor::Rig& rig) {
+  std::size_t cut = last + 1;
+  while (cut > first && !scans[cut].is_cut_off) --cut;
+  if (!scans[cut].is_cut_off) return fit_between(scans, poses, first, last, rig);
+  if (cut > first) carry_on(scans, poses, first, cut - 1);
+  if (cut <= last) carry_back(scans, poses, cut, last);
+}
+
 }  // namespace
 
 std::vector<SE3> world_trajectory(std::span<const ScanPlace> scans, std::span<const KeyframePlace> keyframes,
@@ -76,7 +107,7 @@ std::vector<SE3> world_trajectory(std::span<const ScanPlace> scans, std::span<co
     std::size_t last = first;
     while (last + 1 < scans.size() && !scans[last + 1].is_placed) ++last;
     if (last + 1 < scans.size()) {
-      fit_between(scans, poses, first, last, rig);
+      bridge_over(scans, poses, first, last, rig);
     } else {
       carry_on(scans, poses, first, last);
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 // One trajectory for the whole recording: every scan is hung between the keyframes around it, wherever these lie in
-// the end, and what the IMU alone carried is fitted between its two ends. docs/math/mapping.md, Eqs. (4) to (7).
+// the end, and what the IMU alone carried is fitted between its two ends. docs/math/mapping.md, Eqs. (4) to (7a).
 
 #include <optional>
 #include <span>
@@ -35,6 +35,7 @@ struct ScanPlace {
   math::SE3 T_odom_imu;
   math::Vector3d v_imu = math::Vector3d::Zero();  ///< along the axes of the IMU [m/s]
   std::optional<CarriedPose> carried;             ///< what the IMU alone made of the way from the scan before
+  bool is_cut_off = false;                        ///< nothing tells of the way from the scan before
 };
 
 /// @param scans      in the order of their times

@@ -86,7 +86,7 @@ ordered_json closures_json(const ReportInput& input) {
 ordered_json merges_json(const ReportInput& input) {
   ordered_json merges = ordered_json::array();
   for (const mapping::Merge& merge : input.result.mapping.merges) {
-    merges.push_back({{"id", merge.id},
+    merges.push_back({{"id", merge.number()},
                       {"t", rounded(seconds_of(input, merge.time), 9)},
                       {"map", merge.world},
                       {"into", merge.into},
