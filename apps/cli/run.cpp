@@ -19,6 +19,7 @@
 #include "mmlins/config/yaml_config.hpp"
 #include "mmlins/eval/trajectory_file.hpp"
 #include "mmlins/io/open_dataset.hpp"
+#include "mmlins/pipeline/earlier_run.hpp"
 #include "mmlins/pipeline/run_files.hpp"
 #include "run_report.hpp"
 #include "run_view.hpp"
@@ -159,10 +160,11 @@ Status verdict(const pipeline::RunResult& result, const std::string& folder) {
   return {};
 }
 
-/// Leaves nothing of a run that came to nothing.
-void remove_traces(const std::string& folder, bool is_new_folder) {
+/// Leaves nothing of a run that came to nothing, and an earlier one as it was.
+void remove_traces(const std::string& folder, bool is_new_folder, const pipeline::EarlierRun& earlier) {
   std::error_code not_empty;
   std::filesystem::remove_all(folder + "/atlas", not_empty);
+  if (const Status status = earlier.put_back(); !status) log::warning("{}", status.error().message);
   if (is_new_folder) std::filesystem::remove(folder, not_empty);
 }
 
@@ -180,20 +182,23 @@ int run(const RunOptions& options) {
   if (!progress_file) return fail(progress_file.error());
   const bool is_new_folder = !std::filesystem::exists(options.out);
   if (Status status = pipeline::prepare_folder(options.out); !status) return fail(status.error());
+  const auto earlier = pipeline::EarlierRun::put_aside(options.out);
+  if (!earlier) return fail(earlier.error());
   auto atlas = atlas::Atlas::create(options.out + "/atlas");
   if (!atlas) return fail(atlas.error());
+  if (earlier->exists()) log::info("{}: the run that is there stays in earlier_run until this one has come to its end", options.out);
   std::unique_ptr<RunView> view;
   if (options.view) {
     auto started = RunView::start(options.out, options.viewer);
     if (!started) {
-      remove_traces(options.out, is_new_folder);
+      remove_traces(options.out, is_new_folder, *earlier);
       return fail(started.error());
     }
     view = std::move(*started);
   }
   const auto result = run_recording(*opened->dataset, rig, config, std::move(*atlas), progress_file->get(), view.get());
   if (result.scans.empty()) {
-    remove_traces(options.out, is_new_folder);
+    remove_traces(options.out, is_new_folder, *earlier);
     return fail(make_error(ErrorCode::kInvalid, "{}: no scan could be used{}{}; look at it with: mmlins info {}",
                            options.recording, result.read_error.empty() ? "" : ": ", result.read_error, options.recording));
   }
@@ -204,6 +209,7 @@ int run(const RunOptions& options) {
   print_result(options, result);
   const report::ReportInput shown{result, source, rig, config, &opened->info};
   if (Status status = write_report(options.out, shown, *truth, options.truth_file); !status) return fail(status.error());
+  if (Status status = earlier->remove(); !status) log::warning("{}", status.error().message);
   if (view && !options.view_exit && !stop_requested) view->stay(options.out, stop_requested);
   const Status status = verdict(result, options.out);
   return status ? 0 : fail(status.error());

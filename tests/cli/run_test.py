@@ -13,6 +13,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 from program import MMLINS, mmlins, shared
@@ -176,6 +177,37 @@ class Output(Run):
         self.run_into("fresh", "--set", "output.map_voxel=0.5")
         self.assertEqual(sorted(os.listdir(self.path("out"))), FILES)
         self.assert_same_bytes("out", "fresh")
+
+
+    def test_an_earlier_run_stays_if_the_next_comes_to_nothing(self):
+        self.run_into("out")
+        before = {name: os.path.getmtime(self.path("out/" + name)) for name in FILES}
+        rig = self.write("rig.yaml", "lidar_time_offset: -10\n")
+        self.assertEqual(mmlins("run", self.bag, "--rig", rig, "--out", self.path("out")).returncode, 1)
+        self.assertEqual({name: os.path.getmtime(self.path("out/" + name)) for name in sorted(os.listdir(self.path("out")))}, before)
+        self.assertEqual(mmlins("maps", self.path("out"), "check").returncode, 0)
+
+    def test_an_earlier_run_is_whole_after_the_next_was_killed(self):
+        self.run_into("out")
+        self.run_into("fresh")
+        with subprocess.Popen([MMLINS, "run", shared("long/recording.bag"), "--out", self.path("out")], stderr=subprocess.DEVNULL) as killed:
+            while not all(os.path.exists(self.path(f"out/{name}")) for name in ("earlier_run", "atlas/points_0000.chunk")):
+                self.assertIsNone(killed.poll())
+                time.sleep(0.01)
+            killed.kill()
+        self.assertEqual(sorted(os.listdir(self.path("out"))), ["atlas", "earlier_run"])
+        self.assertEqual(sorted(os.listdir(self.path("out/earlier_run"))), FILES)
+        self.assert_same_bytes("out/earlier_run", "fresh")
+        self.run_into("out")
+        self.assertEqual(sorted(os.listdir(self.path("out"))), FILES)
+
+    def test_does_not_touch_what_is_no_part_of_a_run(self):
+        os.makedirs(self.path("out/earlier_run"))
+        self.write("out/earlier_run/diary.txt", "dear diary")
+        result = mmlins("run", self.bag, "--out", self.path("out"))
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("diary.txt", result.stderr)
+        self.assertEqual(os.listdir(self.path("out")), ["earlier_run"])
 
 
 class Determinism(Run):

@@ -242,6 +242,7 @@ TEST(BackEnd, WritesInTheEndWhatTheMapperHas) {
   for (const atlas::EdgeRow& row : *edges) num_standing += row.weight > 0.0 ? 1 : 0;
   EXPECT_EQ(num_standing, graph.edges.size());
   EXPECT_EQ(edges->size(), graph.edges.size() + 1);  // that of the merge, which was undone
+  EXPECT_EQ(atlas.merges()->at(0).id, 1);
   EXPECT_TRUE(atlas.merges()->at(0).undone);
   EXPECT_NE(atlas.merges()->at(0).evidence.find("it was not so"), std::string::npos);
   EXPECT_TRUE(atlas.check()->problems.empty());

@@ -78,6 +78,7 @@ TEST_F(Report, GapsClosuresAndMergesComeWithTheirEvidence) {
   EXPECT_NEAR(closure["target"]["t"], 2.0, 1e-9);
   EXPECT_EQ(closure["overlap"], 0.75);
   EXPECT_EQ(closure["reason"], result_.mapping.closures[0].reason);
+  EXPECT_EQ(all["merges"][0]["id"], 1);  // as the atlas numbers them
   EXPECT_NEAR(all["merges"][0]["moved_m"], 5.0, 1e-9);
   EXPECT_NEAR(all["merges"][0]["t"], 8.2, 1e-9);
 }

@@ -166,6 +166,17 @@ Result<Atlas> Atlas::create(const std::string& folder, const AtlasOptions& optio
   return open(folder, Access::kWrite, options);
 }
 
+Status Atlas::move(const std::string& folder, const std::string& to) {
+  std::error_code failure;
+  if (!fs::exists(folder, failure)) return {};
+  if (const Status status = check_replaceable(folder); !status) return status;
+  auto lock = lock_for_writing(folder);
+  if (!lock) return lock.error();
+  fs::rename(folder, to, failure);
+  if (failure) return make_error(ErrorCode::kIo, "{}: cannot be moved to {}: {}", folder, to, failure.message());
+  return {};
+}
+
 Result<Atlas> Atlas::open(const std::string& folder, Access access, const AtlasOptions& options) {
   if (const Status status = check_identity(folder); !status) return status.error();
   const std::string path = index_path(folder);

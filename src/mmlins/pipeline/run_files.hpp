@@ -16,6 +16,10 @@ struct RunSource {
   int num_threads = 1;
 };
 
+/// All that lies in the folder of a run, but for its atlas. report.html is written by the layer above.
+inline constexpr const char* kRunFiles[] = {"odometry.tum", "trajectory.tum", "map.pcd",     "graph.g2o",    "health.csv", "closures.csv",
+                                            "merges.json",  "summary.json",   "report.html", "config.yaml", "rig.yaml"};
+
 /// Creates the folder if need be and checks that files can be written there, before anything is computed.
 [[nodiscard]] Status prepare_folder(const std::string& folder);
 
