@@ -114,6 +114,21 @@ TEST(WorldMerger, IsNotHeldUpByAFalsePlaceThatWasLookedAtOften) {
   EXPECT_EQ(found.state(0), ClosureState::kWaiting);
 }
 
+TEST(Worlds, CallAClosureRejectedNoLongerThanTheGraphDoes) {
+  Found found;
+  for (const int middle : {5, 15, 25}) {
+    found.look(middle - 5, middle, middle);
+    found.worlds.graph.add_closure(found.worlds.closures.back());
+  }
+  found.worlds.closure(1).state = ClosureState::kRejected;
+  found.look(10, 12, 20, kFalse);
+  found.worlds.closure(3).state = ClosureState::kCounts;
+  found.worlds.graph.add_closure(found.worlds.closure(3));
+  ASSERT_TRUE(found.worlds.solve(found.worlds.graph));
+  EXPECT_EQ(found.state(1), ClosureState::kCounts);
+  EXPECT_EQ(found.state(3), ClosureState::kRejected);
+}
+
 TEST(Worlds, KeepWhyTheirGraphCouldNotBeOptimised) {
   Found found;
   EXPECT_TRUE(found.worlds.solve(found.worlds.graph));

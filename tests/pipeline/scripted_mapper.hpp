@@ -65,10 +65,11 @@ class ScriptedMapper final : public mapping::BackEndMapper {
     ++revision_;
   }
   void merge() {
+    mapping::Merge merge;
+    merge.T_before = graph_.T_world_map(1);
     graph_.move_world(1, shift(0.0, 5.0));
     graph_.join(1, 0);
     close(kPerMap - 2, kPerMap + 9, shift(1.0, 2.0));
-    mapping::Merge merge;
     merge.world = 1;
     merge.closures = {closures_.back().id};
     merge.T_new_old = shift(0.0, 5.0);
@@ -76,7 +77,7 @@ class ScriptedMapper final : public mapping::BackEndMapper {
   }
   void undo() {
     const int map = 1;
-    graph_.separate({&map, 1}, shift(0.0, 5.0));
+    graph_.separate({&map, 1}, merges_.back().T_before);
     merges_.back().undone = Time{};
     merges_.back().why_undone = "it was not so";
     ++revision_;

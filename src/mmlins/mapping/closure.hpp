@@ -63,6 +63,7 @@ struct Merge {
   std::vector<int> closures;   ///< ids of those that agree and were the reason
   std::vector<int> enhancing;  ///< ids of those sought and found afterwards
   math::SE3 T_new_old;        ///< what moved its maps, before optimisation
+  math::SE3 T_before;         ///< where its first map lay in the world before that
   bool prior_known = false;   ///< whether the IMU had carried the pose from one to the other
   int num_keyframes = 0;      ///< there were when it was done
   std::vector<int> moved_maps;  ///< of the world that moved, at that time

@@ -141,9 +141,9 @@ void MapGraph::join(int world, int into) {
   replace_all(islands_, std::max(island, other), std::min(island, other));
 }
 
-void MapGraph::separate(std::span<const int> maps, const SE3& T_new_old) {
+void MapGraph::separate(std::span<const int> maps, const SE3& T_world_first) {
   const auto is_out = [&](int map) { return std::find(maps.begin(), maps.end(), map) != maps.end(); };
-  SE3 T_back = T_new_old.inverse();
+  SE3 T_back = T_world_first * T_world_map(maps.front()).inverse();
   bool by_gap = false;
   std::vector<graph::Edge> edges;
   std::vector<double> weights;
@@ -205,10 +205,7 @@ MapGraph::Solution MapGraph::optimize() {
   solution.solved = true;
   graph_ = std::move(optimized->graph);
   const graph::GraphReport& report = optimized->report;
-  for (std::size_t i = 0; i < report.edges.size(); ++i) {
-    weights_[i] = report.edges[i].weight;
-    if (graph_.edges[i].robust && weights_[i] == 0.0) solution.rejected.push_back(static_cast<int>(graph_.edges[i].provenance));
-  }
+  for (std::size_t i = 0; i < report.edges.size(); ++i) weights_[i] = report.edges[i].weight;
   constexpr auto kOdometry = static_cast<std::size_t>(graph::EdgeKind::kOdometry);
   const int num_links = report.num_of_kind[kOdometry];
   if (num_links > 0) solution.odometry_chi2_per_dof = report.final.of_kind[kOdometry] / (6.0 * num_links);

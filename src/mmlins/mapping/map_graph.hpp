@@ -67,19 +67,19 @@ class MapGraph {
   void move_world(int world, const math::SE3& T_new_old);
   /// From now on two worlds are one.
   void join(int world, int into);
-  /// Takes maps out of their world again, with all closures that tied them to it: they lie where gaps say, or where
-  /// they lay before T_new_old moved them. To be optimised afterwards.
-  void separate(std::span<const int> maps, const math::SE3& T_new_old);
+  [[nodiscard]] const math::SE3& T_world_map(int map) const { return graph_.anchors[static_cast<std::size_t>(map)].T_world_map; }
+  /// Takes maps out of their world again, with all closures that tied them to it: they lie where gaps say, or so that the
+  /// first of them lies at T_world_first. To be optimised afterwards.
+  void separate(std::span<const int> maps, const math::SE3& T_world_first);
   /// Adds a closure as an edge.
   void add_closure(const Closure& closure);
   /// Holds two keyframes where they lie to each other now, as well as a closure that confirms it knows, and a `least`
   /// covariance.
   void hold(const Closure& closure, const math::Matrix6d& least);
-  /// Closures (by provenance) that the graph rejects; none if it could not be solved, and then it is as before.
+  /// If it could not be solved, all is as before. Closures that the graph rejects have no weight then.
   struct Solution {
     bool solved = false;
     std::string error;  ///< why not
-    std::vector<int> rejected;
     double odometry_chi2_per_dof = 0.0;
   };
   [[nodiscard]] Solution optimize();

@@ -147,6 +147,7 @@ bool PaperMapper::fuse(int sleeping_map, const HitRun& pairs) {
   merge.into = std::min(active, sleeping);
   merge.T_new_old = merge.world == active ? T_sleeping_active : T_sleeping_active.inverse();
   merge.num_keyframes = graph_.num_keyframes();
+  merge.T_before = graph_.T_world_map(merge.world);
   graph_.move_world(merge.world, merge.T_new_old);
   // "Completely discard the priori constraint" of M_a: as one world they have one fixed anchor, that of the
   // earlier map.

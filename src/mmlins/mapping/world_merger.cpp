@@ -170,6 +170,7 @@ bool WorldMerger::commit(Merge& merge) {
     if (graph.world_of(map) == merge.into) merge.into_maps.push_back(map);
     if (graph.world_of(map) == merge.world) merge.moved_maps.push_back(map);
   }
+  merge.T_before = graph.T_world_map(merge.world);
   graph.move_world(merge.world, merge.T_new_old);
   graph.join(merge.world, merge.into);
   for (const int id : merge.closures) graph.add_closure(worlds_.closure(id));
@@ -180,6 +181,7 @@ bool WorldMerger::commit(Merge& merge) {
   }
   if (!fits) {
     graph = before;
+    worlds_.take_over_verdicts();
     // The evidence so far is spent; only new closures may try again.
     for (const int id : merge.closures) worlds_.closure(id).state = ClosureState::kRejected;
     return false;
@@ -244,7 +246,7 @@ void WorldMerger::dissolve(int merge_id, const std::string& why) {
     if (!other.undone && rests_on_it) dissolve(static_cast<int>(later), fmt::format("merge {} was taken back", merge.number()));
   }
   log::warning("map {} is no longer joined to map {}: {}", merge.world, merge.into, why);
-  graph.separate(merge.moved_maps, merge.T_new_old);
+  graph.separate(merge.moved_maps, merge.T_before);
   if (!worlds_.solve(graph)) ++worlds_.revision;
   merge.undone = worlds_.now;
   merge.why_undone = why;

@@ -43,9 +43,22 @@ bool Worlds::solve(MapGraph before) {
     graph = std::move(before);
     return false;
   }
-  for (const int id : solution.rejected) closure(id).state = ClosureState::kRejected;
+  take_over_verdicts();
   ++revision;
   return true;
+}
+
+void Worlds::take_over_verdicts() {
+  const std::vector<graph::Edge>& edges = graph.graph().edges;
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    if (!edges[i].robust) continue;
+    ClosureState& state = closure(static_cast<int>(edges[i].provenance)).state;
+    if (graph.weights()[i] == 0.0) {
+      state = ClosureState::kRejected;
+    } else if (state == ClosureState::kRejected) {
+      state = ClosureState::kCounts;
+    }
+  }
 }
 
 }  // namespace mmlins::mapping

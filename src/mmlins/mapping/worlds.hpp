@@ -31,6 +31,8 @@ struct Worlds {
   [[nodiscard]] Placement placement_of(const Closure& closure, bool source_moves) const;
   /// @return false if the graph is better without what was added since `before`; then it is as it was
   bool solve(MapGraph before);
+  /// Closures that the graph rejects are so called, and those that it believes again are not any longer.
+  void take_over_verdicts();
 };
 
 }  // namespace mmlins::mapping

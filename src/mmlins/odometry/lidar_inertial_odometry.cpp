@@ -109,7 +109,8 @@ void LidarInertialOdometry::look_for_a_way_on(const ScanPointer& scan, const imu
   // Under a cover nothing tells of the old map yet: while the IMU may still carry the pose, it is worth waiting for.
   const bool waits_for_sight = blind || (collapsed && !asleep_);
   if (waits_for_sight) unexplained_since_.reset();
-  if (waits_for_sight || changes) {
+  // Nor may a trial begin with the state before such a scan: it was wrong.
+  if (waits_for_sight || changes || result.was_deceived) {
     num_failed_trials_ = 0;
     restart_.reset();
     return;

@@ -27,8 +27,9 @@ constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 }  // namespace
 
 math::SE3 with_heading_of(const math::SE3& T_odom_heading, const math::SE3& T_odom_level) {
-  const auto heading = [](const math::Matrix3d& R) { return std::atan2(R(1, 0), R(0, 0)); };
-  const double turn = heading(T_odom_heading.R) - heading(T_odom_level.R);
+  // What of the rotation between the two is about z, however the IMU is mounted.
+  const math::Matrix3d R = T_odom_heading.R * T_odom_level.R.transpose();
+  const double turn = std::atan2(R(1, 0) - R(0, 1), R(0, 0) + R(1, 1));
   return {math::so3_exp(math::Vector3d(0.0, 0.0, turn)) * T_odom_level.R, T_odom_heading.t};
 }
 

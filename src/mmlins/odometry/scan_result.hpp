@@ -65,6 +65,7 @@ struct ScanResult {
   int map_id = 0;            ///< the map that the scan belongs to, or that fell asleep last
   math::SE3 T_odom_map;      ///< where that map lies; odom itself never jumps
   imu::Estimate estimate;    ///< T_odom_imu, velocity, biases; the covariance is that against the map
+  bool was_deceived = false;    ///< the IMU contradicts the scans of the last second: what it alone makes of them was taken up
   bool imu_was_silent = false;  ///< for part of the way from the scan before: the motion there is not known
   std::optional<imu::NavState> carried;  ///< what the IMU alone made of the way from the scan before; none at the start
   TrackingState state = TrackingState::kInitializing;

@@ -295,6 +295,7 @@ Verdict ScanTracker::judge(const Match& match, const Motion& carried, const sens
     // jumps.
     const math::SE3 T_odom_imu = estimate_.state.T_odom_imu();
     estimate_ = disagreement->imu_alone;
+    result.was_deceived = true;
     call_the_pose(T_odom_imu);
   }
   agreement_.clear();

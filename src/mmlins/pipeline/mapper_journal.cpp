@@ -118,9 +118,9 @@ void MapperJournal::add_merges(const mapping::BackEndMapper& mapper, MapperChang
       continue;
     }
     const math::SE3 T_after =
-        mapper.map_graph().graph().anchors[static_cast<std::size_t>(merge.world)].T_world_map;
+        mapper.map_graph().T_world_map(merge.world);
     change.graph.new_merges.push_back({merge.number(), merge.time, merge.world, merge.into, "merge", evidence_of(merge),
-                                       merge.T_new_old.inverse() * T_after, T_after,
+                                       merge.T_before, T_after,
                                        merge.undone.has_value()});
     merge_stands_.push_back(!merge.undone);
   }

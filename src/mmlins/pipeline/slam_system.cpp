@@ -250,10 +250,12 @@ void Runner::settle() {
     const KeyframePlace& place = mapping.keyframes[static_cast<std::size_t>(id)];
     if (const auto keyframe = back_end_.store().load(id)) result_.map.add(**keyframe, place.T_world_imu);
   }
+  std::vector<bool> has_keyframe(result_.maps.size(), false);
+  for (const KeyframePlace& place : mapping.keyframes) has_keyframe[static_cast<std::size_t>(place.map_id)] = true;
   std::vector<ScanPlace> scans;
   for (const ScanRecord& r : result_.scans) {
-    // The scan with which a map begins is the last of its trial, but has its place in it already.
-    const bool begins_map = !scans.empty() && scans.back().map_id != r.map_id;
+    // The scan with which a map begins is the last of its trial, but has its place in it already: if the map has one.
+    const bool begins_map = !scans.empty() && scans.back().map_id != r.map_id && has_keyframe[static_cast<std::size_t>(r.map_id)];
     scans.push_back(
         {r.time, r.map_id, odometry::is_placed(r.state) || begins_map, r.T_map_imu, r.T_odom_imu, r.v_imu, r.carried, r.imu_was_silent});
   }
