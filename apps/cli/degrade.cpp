@@ -169,6 +169,12 @@ Result<Counts> write_bag(Job& job, const std::string& path) {
   return counts;
 }
 
+/// Beside the bag and named after it, so that it hides neither the table of the recording nor that of another copy.
+std::string table_of(const fs::path& bag) {
+  const fs::path name = bag.extension() == ".bag" ? bag.stem() : bag.filename();
+  return (bag.parent_path() / name).string() + ".events.csv";
+}
+
 int degrade_command(const DegradeCommandOptions& options) {
   std::error_code ignored;
   if (fs::equivalent(options.in, options.out, ignored)) {
@@ -181,7 +187,7 @@ int degrade_command(const DegradeCommandOptions& options) {
   std::signal(SIGTERM, on_degrade_interrupt);
   const auto counts = write_bag(*job, options.out);
   if (!counts) return fail(counts.error());
-  const std::string table = (fs::path(options.out).parent_path() / "events.csv").string();
+  const std::string table = table_of(options.out);
   if (const Status status = write_text_file(table, degrade::events_csv(job->events, job->start)); !status) {
     return fail(status.error());
   }
@@ -197,7 +203,7 @@ void add_degrade(CLI::App& program, int& exit_code) {
   auto options = std::make_shared<DegradeCommandOptions>();
   CLI::App* command = program.add_subcommand("degrade", "Copy a recording whose LiDAR fails for a while");
   command->add_option("IN", options->in, "ROS 1 bag")->required();
-  command->add_option("OUT", options->out, "the bag to write; events.csv goes beside it")->required();
+  command->add_option("OUT", options->out, "the bag to write, for instance x.bag; x.events.csv goes beside it")->required();
   command
       ->add_option("--event", options->events,
                    "kind:start:duration[:severity], in seconds from the start; may be repeated. Kinds: " +

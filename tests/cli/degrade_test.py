@@ -81,9 +81,18 @@ class DegradeTest(unittest.TestCase):
                              (1, len(expected), len(expected) * before.step))
             self.assertEqual((left.stamp, left.is_dense), (before.stamp, before.is_dense))
         self.assertGreaterEqual(changed, 10)
-        self.assertEqual((self.folder / "events.csv").read_text(),
+        self.assertEqual((self.folder / "out.events.csv").read_text(),
                          "kind,start,end,severity\nblackout,1700000001.500000000,1700000002.500000000,1\n")
-        self.assertEqual(sorted(p.name for p in self.folder.glob("*")), ["events.csv", "out.bag"])
+        self.assertEqual(sorted(p.name for p in self.folder.glob("*")), ["out.bag", "out.events.csv"])
+
+    def test_each_bag_has_a_table_of_events_of_its_own(self):
+        own = self.folder / "events.csv"
+        own.write_text("of the recording")
+        for name, table in (("a.bag", "a.events.csv"), ("b.1.bag", "b.1.events.csv"), ("c", "c.events.csv")):
+            result = mmlins("degrade", self.bag, self.folder / name, "--event", "blackout:1:1")
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertIn("blackout", (self.folder / table).read_text())
+        self.assertEqual(own.read_text(), "of the recording")
 
     def test_a_bag_moves_points_towards_the_sensor_and_keeps_their_other_fields(self):
         moved = 0

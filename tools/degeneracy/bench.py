@@ -135,7 +135,7 @@ def spoilt(program: str, made: Recording, item: Item, folder: pathlib.Path) -> R
     events = [word for event in item.spoil for word in ("--event", event)]
     seed = next((setting.removeprefix("seed=") for setting in item.settings if setting.startswith("seed=")), "1")
     call(program, "degrade", made.bag, folder / "spoilt.bag", *events, "--rig", made.rig, "--seed", seed)
-    return made._replace(bag=folder / "spoilt.bag", events=folder / "events.csv")
+    return made._replace(bag=folder / "spoilt.bag", events=folder / "spoilt.events.csv")
 
 
 _digests: dict[str, str] = {}
