@@ -35,12 +35,6 @@ static_assert(sizeof(RecordHeader) == 12);
 
 constexpr std::uint32_t kLargestPayload = 1U << 28;
 
-Error cannot_write(const std::string& path) {
-  const int reason = errno;
-  const char* const advice = reason == ENOSPC ? "; free some space" : "";
-  return make_error(ErrorCode::kIo, "{}: cannot be written: {}{}", path, std::strerror(reason), advice);
-}
-
 bool write_all(int file, ByteView bytes) {
   while (!bytes.empty()) {
     const ssize_t written = ::write(file, bytes.data(), bytes.size());
@@ -103,10 +97,10 @@ Status ChunkWriter::begin_file() {
   if (const Status status = sync(); !status) return status;
   const std::string path = chunk_path(folder_, chunk_ + 1);
   FileHandle file(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644));
-  if (!file.is_open()) return cannot_write(path);
+  if (!file.is_open()) return cannot_write(path, errno);
   const auto header = std::bit_cast<std::array<std::uint8_t, sizeof(FileHeader)>>(FileHeader{});
   if (!write_all(file.get(), header)) {
-    const Error error = cannot_write(path);
+    const Error error = cannot_write(path, errno);
     ::unlink(path.c_str());
     return error;
   }
@@ -125,7 +119,7 @@ Result<RecordPlace> ChunkWriter::append(ByteView payload) {
   const RecordHeader header{kMarker, static_cast<std::uint32_t>(payload.size()), checksum(payload)};
   const auto head = std::bit_cast<std::array<std::uint8_t, sizeof(RecordHeader)>>(header);
   if (!write_all(file_.get(), head) || !write_all(file_.get(), payload)) {
-    const Error error = cannot_write(chunk_path(folder_, chunk_));
+    const Error error = cannot_write(chunk_path(folder_, chunk_), errno);
     // What cannot be cut off again is followed by a new file.
     const bool is_cut =
         ::ftruncate(file_.get(), size_) == 0 && ::lseek(file_.get(), size_, SEEK_SET) == size_;
@@ -140,7 +134,7 @@ Result<RecordPlace> ChunkWriter::append(ByteView payload) {
 
 Status ChunkWriter::sync() {
   if (is_synced_) return {};
-  if (::fdatasync(file_.get()) != 0) return cannot_write(chunk_path(folder_, chunk_));
+  if (::fdatasync(file_.get()) != 0) return cannot_write(chunk_path(folder_, chunk_), errno);
   is_synced_ = true;
   return {};
 }

@@ -4,12 +4,12 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <map>
 #include <memory>
 #include <unordered_set>
 
 #include "mmlins/atlas/export.hpp"
+#include "mmlins/base/text_file.hpp"
 #include "mmlins/math/grid.hpp"
 
 namespace mmlins::atlas {
@@ -67,7 +67,7 @@ class CloudFile {
   [[nodiscard]] std::size_t num_points() const { return num_points_; }
   [[nodiscard]] Status status() const {
     if (reason_ == 0) return {};
-    return make_error(ErrorCode::kIo, "{}: cannot be written: {}", path_, std::strerror(reason_));
+    return cannot_write(path_, reason_);
   }
   [[nodiscard]] Status finish() {
     if (file_ != nullptr) std::rewind(file_);

@@ -10,22 +10,20 @@
 
 namespace mmlins {
 
+Error cannot_write(const std::string& path, int reason) {
+  const char* const advice = reason == ENOSPC ? "; free some space" : "";
+  return make_error(ErrorCode::kIo, "{}: cannot be written: {}{}", path, std::strerror(reason), advice);
+}
+
 Status write_text_file(const std::string& path, const std::string& text) {
   const std::string temporary = path + ".part";
   std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
   file.write(text.data(), static_cast<std::streamsize>(text.size()));
   file.close();
-  if (!file) {
-    const std::string reason = std::strerror(errno);
-    std::remove(temporary.c_str());
-    return make_error(ErrorCode::kIo, "{}: cannot be written: {}", path, reason);
-  }
-  if (std::rename(temporary.c_str(), path.c_str()) != 0) {
-    const std::string reason = std::strerror(errno);
-    std::remove(temporary.c_str());
-    return make_error(ErrorCode::kIo, "{}: cannot be written: {}", path, reason);
-  }
-  return {};
+  if (file && std::rename(temporary.c_str(), path.c_str()) == 0) return {};
+  const int reason = errno;
+  std::remove(temporary.c_str());
+  return cannot_write(path, reason);
 }
 
 Result<std::string> read_text_file(const std::string& path) {

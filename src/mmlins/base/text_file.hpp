@@ -6,6 +6,9 @@
 
 namespace mmlins {
 
+/// @param reason  an errno
+[[nodiscard]] Error cannot_write(const std::string& path, int reason);
+
 /// Replaces the file at once: written under a temporary name in the same folder, then renamed.
 [[nodiscard]] Status write_text_file(const std::string& path, const std::string& text);
 

@@ -7,11 +7,12 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
 #include <fstream>
 #include <optional>
 #include <sstream>
 #include <utility>
+
+#include "mmlins/base/text_file.hpp"
 
 namespace mmlins::io {
 namespace {
@@ -181,8 +182,7 @@ Status write_pcd(const std::string& path, std::span<const Eigen::Vector3f> point
   MMLINS_CHECK(intensities.empty() || intensities.size() == points.size());
   const std::string temporary_path = path + ".part";
   std::FILE* const file = std::fopen(temporary_path.c_str(), "wb");
-  if (file == nullptr)
-    return make_error(ErrorCode::kIo, "{}: cannot be written: {}", path, std::strerror(errno));
+  if (file == nullptr) return cannot_write(path, errno);
   const std::string header = fmt::format(
       "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F "
       "F F F\n"
@@ -192,13 +192,10 @@ Status write_pcd(const std::string& path, std::span<const Eigen::Vector3f> point
   bool ok = std::fwrite(header.data(), 1, header.size(), file) == header.size();
   ok = ok && write_points(file, points, intensities);
   ok = (std::fclose(file) == 0) && ok;
+  if (ok && std::rename(temporary_path.c_str(), path.c_str()) == 0) return {};
   const int reason = errno;
-  std::error_code error;
-  if (ok) std::filesystem::rename(temporary_path, path, error);
-  if (ok && !error) return {};
-  const std::string why = error ? error.message() : std::string(std::strerror(reason));
-  std::filesystem::remove(temporary_path, error);
-  return make_error(ErrorCode::kIo, "{}: cannot be written: {}", path, why);
+  std::remove(temporary_path.c_str());
+  return cannot_write(path, reason);
 }
 
 Result<PcdCloud> read_pcd(const std::string& path) {

@@ -5,11 +5,14 @@
 #include <rosbag/bag.h>
 
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <utility>
 #include <vector>
+
+#include "mmlins/base/text_file.hpp"
 
 namespace mmlins::io {
 namespace {
@@ -59,7 +62,7 @@ namespace mmlins::io {
 struct Rosbag1RawWriter::Impl {
   std::string path;
   std::string temporary_path;
-  rosbag::Bag bag;
+  std::unique_ptr<rosbag::Bag> bag = std::make_unique<rosbag::Bag>();
   bool is_open = false;
   struct Connection {
     std::string topic;
@@ -70,17 +73,36 @@ struct Rosbag1RawWriter::Impl {
 
   Status write(const std::string& topic, Time record_time, const RawContent& content,
                const boost::shared_ptr<ros::M_string>& header);
+  template <typename Work>
+  Status attempt(const Work& work) const;
 
   ~Impl() {
-    if (!is_open) return;
-    try {
-      bag.close();
-    } catch (const std::exception&) {  // the file is thrown away anyway
-    }
-    std::error_code ignored;
-    std::filesystem::remove(temporary_path, ignored);
+    if (is_open) throw_away();
   }
+
+ private:
+  void throw_away();
 };
+
+void Rosbag1RawWriter::Impl::throw_away() {
+  std::error_code ignored;
+  std::filesystem::resize_file(temporary_path, 0, ignored);  // on a full disk closing would fail for want of space
+  std::filesystem::remove(temporary_path, ignored);
+  if (!attempt([this] { bag->close(); })) (void)bag.release();  // its destructor would fail again, and end the program
+}
+
+/// The library's exceptions say what it was doing; why it failed is what the system said last.
+template <typename Work>
+Status Rosbag1RawWriter::Impl::attempt(const Work& work) const {
+  errno = 0;
+  try {
+    work();
+    return {};
+  } catch (const std::exception& exception) {
+    if (const int reason = errno; reason != 0) return cannot_write(path, reason);
+    return make_error(ErrorCode::kIo, "{}: cannot be written: {}", path, exception.what());
+  }
+}
 
 Rosbag1RawWriter::Rosbag1RawWriter(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Rosbag1RawWriter::Rosbag1RawWriter(Rosbag1RawWriter&&) noexcept = default;
@@ -96,14 +118,11 @@ Result<Rosbag1RawWriter> Rosbag1RawWriter::create(const std::string& path) {
     return make_error(ErrorCode::kIo, "{}: is a folder; give a file name", path);
   }
   if (!std::ofstream(impl->temporary_path, std::ios::binary)) {
-    return make_error(ErrorCode::kIo, "{}: cannot be written: {}", path, std::strerror(errno));
+    return cannot_write(path, errno);
   }
-  try {
-    impl->bag.open(impl->temporary_path, rosbag::bagmode::Write);
-    impl->is_open = true;
-  } catch (const std::exception& exception) {
-    return make_error(ErrorCode::kIo, "{}: cannot be written: {}", path, exception.what());
-  }
+  impl->is_open = true;
+  const Status opened = impl->attempt([&impl] { impl->bag->open(impl->temporary_path, rosbag::bagmode::Write); });
+  if (!opened) return opened.error();
   return Rosbag1RawWriter(std::move(impl));
 }
 
@@ -117,12 +136,7 @@ Status Rosbag1RawWriter::Impl::write(const std::string& topic, Time record_time,
   }
   const ros::Time time(static_cast<std::uint32_t>(ns / 1'000'000'000),
                        static_cast<std::uint32_t>(ns % 1'000'000'000));
-  try {
-    bag.write(topic, time, content, header);
-  } catch (const std::exception& exception) {
-    return make_error(ErrorCode::kIo, "{}: cannot be written: {}", path, exception.what());
-  }
-  return {};
+  return attempt([&] { bag->write(topic, time, content, header); });
 }
 
 Status Rosbag1RawWriter::write(const std::string& topic, const MessageType& type, Time record_time,
@@ -144,12 +158,8 @@ Status Rosbag1RawWriter::write_to(std::size_t connection, Time record_time, cons
 
 Status Rosbag1RawWriter::close() {
   if (!impl_->is_open) return make_error(ErrorCode::kIo, "{}: is closed already", impl_->path);
-  try {
-    impl_->bag.close();
-    std::filesystem::rename(impl_->temporary_path, impl_->path);
-  } catch (const std::exception& exception) {
-    return make_error(ErrorCode::kIo, "{}: cannot be completed: {}", impl_->path, exception.what());
-  }
+  if (const Status closed = impl_->attempt([this] { impl_->bag->close(); }); !closed) return closed;
+  if (std::rename(impl_->temporary_path.c_str(), impl_->path.c_str()) != 0) return cannot_write(impl_->path, errno);
   impl_->is_open = false;
   return {};
 }
