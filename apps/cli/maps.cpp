@@ -23,10 +23,12 @@ namespace {
 using atlas::Atlas;
 using atlas::MapRow;
 
+const std::vector<std::string> kFormats = {"pcd", "ply", "g2o", "tum"};  // the first one unless told otherwise
+
 struct MapsOptions {
   std::string folder;
   int id = 0;
-  std::string format = "pcd";
+  std::string format;  ///< empty: by the name of the file
   std::string out;
   double voxel = 0.1;
   bool world = false;
@@ -239,7 +241,21 @@ Result<std::string> export_graph(const Atlas& atlas, const std::vector<int>& ids
   return fmt::format("{} keyframes and {} edges", graph->nodes.size(), graph->edges.size());
 }
 
+/// As asked for, or else as the name of the file says.
+Result<std::string> chosen_format(const MapsOptions& options) {
+  const std::size_t dot = options.out.rfind('.');
+  const std::string extension = dot == std::string::npos ? "" : CLI::detail::to_lower(options.out.substr(dot + 1));
+  const bool is_known = std::find(kFormats.begin(), kFormats.end(), extension) != kFormats.end();
+  if (options.format.empty()) return is_known ? extension : kFormats.front();
+  if (!is_known || extension == options.format) return options.format;
+  return make_error(ErrorCode::kInvalid, "{}: the name says {}, but --format {}; leave --format out or give another name",
+                    options.out, extension, options.format);
+}
+
 int run_export(MapsOptions options) {
+  auto format = chosen_format(options);
+  if (!format.ok()) return fail(format.error());
+  options.format = std::move(*format);
   const auto atlas = open_for_reading(options.folder);
   if (!atlas.ok()) return fail(atlas.error());
   const auto ids = chosen_maps(*atlas, options);
@@ -321,9 +337,8 @@ void add_maps(CLI::App& program, int& exit_code) {
   for (CLI::App* command : {show, out, remove}) {
     command->add_option("id", options->id, "number of the map, as told by list")->required();
   }
-  out->add_option("--format", options->format, "points: pcd or ply; keyframes: tum; pose graph: g2o")
-      ->check(CLI::IsMember({"pcd", "ply", "g2o", "tum"}))
-      ->capture_default_str();
+  out->add_option("--format", options->format, "points: pcd or ply; keyframes: tum; pose graph: g2o; else as --out ends, or pcd")
+      ->check(CLI::IsMember(kFormats));
   out->add_option("--out", options->out, "file to write; else map_ID.FORMAT here");
   out->add_option("--voxel", options->voxel, "one measured point per cell of this edge [m]; 0: all points")
       ->check(CLI::Range(0.0, 100.0))

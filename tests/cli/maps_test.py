@@ -125,6 +125,16 @@ class Maps(unittest.TestCase):
             self.assertEqual(len(read_cloud(out)), 20 * NUM_POINTS)
         self.assertEqual(sorted(read_cloud(self.folder / "points.pcd")), sorted(read_cloud(self.folder / "points.ply")))
 
+    def test_the_name_of_the_file_tells_the_format(self):
+        for name, begins in (("x.ply", b"ply\n"), ("X.PLY", b"ply\n"), ("x.pcd", b"# .PCD"), ("x.tum", b"16"),
+                             ("x.g2o", b"VERTEX"), ("x.cloud", b"# .PCD")):
+            self.printed("export", 1, "--out", name)
+            self.assertTrue((self.folder / name).read_bytes().startswith(begins), name)
+        self.printed("export", 1, "--format", "tum", "--out", "poses.txt")
+        self.assertIn("x2.ply: the name says ply, but --format pcd; leave",
+                      self.refused("export", 1, "--format", "pcd", "--out", "x2.ply"))
+        self.assertFalse((self.folder / "x2.ply").exists())
+
     def test_thinned_clouds_hold_one_point_per_cell(self):
         self.printed("export", 0, "--voxel", 0, "--out", "all.pcd")
         self.printed("export", 0, "--voxel", 40, "--out", "thin.pcd")
