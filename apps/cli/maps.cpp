@@ -77,7 +77,7 @@ Result<MapRow> find_map(const Atlas& atlas, int id) {
     known += fmt::format(" {}", map.id);
   }
   return make_error(ErrorCode::kNotFound, "{}: there is no map {}; there {}{}", atlas.folder(), id,
-                    maps->empty() ? "are none" : "are", known);
+                    maps->empty() ? "are none" : maps->size() == 1 ? "is" : "are", known);
 }
 
 /// The map itself, or all maps that share its world.
@@ -291,10 +291,21 @@ int run_check(const MapsOptions& options) {
   return problems.empty() ? 0 : 1;
 }
 
+/// Opened for writing once it holds what is to be changed: that alone puts maps of a run that was killed to sleep.
+template <typename Find>
+Result<Atlas> open_to_change(const MapsOptions& options, const Find& find) {
+  const std::string place = atlas::find_atlas(options.folder);
+  {
+    const auto as_it_is = Atlas::open(place, atlas::Access::kRead);
+    if (!as_it_is) return as_it_is.error();
+    if (const auto found = find(*as_it_is, options.id); !found) return found.error();
+  }
+  return Atlas::open(place, atlas::Access::kWrite);
+}
+
 int run_delete(const MapsOptions& options) {
-  auto atlas = Atlas::open(atlas::find_atlas(options.folder), atlas::Access::kWrite);
+  auto atlas = open_to_change(options, find_map);
   if (!atlas.ok()) return fail(atlas.error());
-  if (const auto map = find_map(*atlas, options.id); !map.ok()) return fail(map.error());
   const auto removed = atlas->delete_map(options.id);
   if (!removed.ok()) return fail(removed.error());
   fmt::print(
@@ -305,7 +316,7 @@ int run_delete(const MapsOptions& options) {
 }
 
 int run_unmerge(const MapsOptions& options) {
-  auto atlas = Atlas::open(atlas::find_atlas(options.folder), atlas::Access::kWrite);
+  auto atlas = open_to_change(options, atlas::find_standing_merge);
   if (!atlas.ok()) return fail(atlas.error());
   const auto apart = atlas::unmerge(*atlas, options.id);
   if (!apart.ok()) return fail(apart.error());

@@ -107,6 +107,8 @@ class Maps(unittest.TestCase):
         self.assertIn("there is no map 7; there are 0 1", self.refused("show", 7))
         self.assertIn("there is no map 7", self.refused("export", 7))
         self.assertIn("there is no map 7", self.refused("delete", 7))
+        self.printed("delete", 0)
+        self.assertIn("there is no map 0; there is 1", self.refused("show", 0))
 
     def test_tum_holds_the_optimised_poses_in_the_world(self):
         self.assertIn("20 poses", self.printed("export", 1, "--format", "tum"))
@@ -252,6 +254,9 @@ class Maps(unittest.TestCase):
         self.assertIn("active", self.printed("list", folder=target).splitlines()[3])
         writer.kill()
         rest, _ = writer.communicate()
+        self.assertIn("there is no map 7", self.refused("delete", 7, folder=target))
+        self.assertIn("there is no merge 7", self.refused("unmerge", 7, folder=target))
+        self.assertIn("active", self.printed("list", folder=target).splitlines()[3], "nothing was changed")
         told += [int(line) for line in rest.splitlines() if line]
         self.assertIn("all is well", self.printed("check", folder=target))
         columns = self.printed("list", folder=target).splitlines()[3].split()

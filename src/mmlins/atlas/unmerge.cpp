@@ -15,18 +15,6 @@ using Maps = std::set<int>;
 
 bool is_tie(const EdgeRow& row) { return row.edge.robust && row.weight > 0.0; }
 
-Result<MergeRow> find_standing(const std::vector<MergeRow>& merges, int id, const std::string& folder) {
-  std::string known;
-  for (const MergeRow& merge : merges) {
-    known += fmt::format(" {}", merge.id);
-    if (merge.id != id) continue;
-    if (!merge.undone) return merge;
-    return make_error(ErrorCode::kInvalid, "{}: merge {} was taken back already", folder, id);
-  }
-  return make_error(ErrorCode::kNotFound, "{}: there is no merge {}; there {}{}", folder, id,
-                    merges.empty() ? "are none" : merges.size() == 1 ? "is" : "are", known);
-}
-
 /// The atlas as it is, and as it shall be.
 class Split {
  public:
@@ -189,6 +177,20 @@ const MergeRow* later_merge(const MergeRow& merge, const std::vector<MergeRow>& 
 
 }  // namespace
 
+Result<MergeRow> find_standing_merge(const Atlas& atlas, int merge_id) {
+  const auto merges = atlas.merges();
+  if (!merges) return merges.error();
+  std::string known;
+  for (const MergeRow& merge : *merges) {
+    known += fmt::format(" {}", merge.id);
+    if (merge.id != merge_id) continue;
+    if (!merge.undone) return merge;
+    return make_error(ErrorCode::kInvalid, "{}: merge {} was taken back already", atlas.folder(), merge_id);
+  }
+  return make_error(ErrorCode::kNotFound, "{}: there is no merge {}; there {}{}", atlas.folder(), merge_id,
+                    merges->empty() ? "are none" : merges->size() == 1 ? "is" : "are", known);
+}
+
 Result<Unmerged> unmerge(Atlas& atlas, int merge_id) {
   const auto merges = atlas.merges();
   const auto maps = atlas.maps();
@@ -197,7 +199,7 @@ Result<Unmerged> unmerge(Atlas& atlas, int merge_id) {
   const auto gravity = atlas.gravity();
   if (!merges || !maps) return merges ? maps.error() : merges.error();
   if (!keyframes || !edges || !gravity) return !keyframes ? keyframes.error() : edges ? gravity.error() : edges.error();
-  const auto merge = find_standing(*merges, merge_id, atlas.folder());
+  const auto merge = find_standing_merge(atlas, merge_id);
   if (!merge) return merge.error();
   if (const MergeRow* later = later_merge(*merge, *merges, *maps)) {
     return make_error(ErrorCode::kInvalid, "{}: merge {} (map {} into {}) rests on merge {}; take that back first",

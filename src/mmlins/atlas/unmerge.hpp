@@ -15,6 +15,9 @@ struct Unmerged {
   std::size_t num_edges = 0;  ///< that tied them and count no longer
 };
 
+/// @return an error if there is no such merge, or it was undone already
+[[nodiscard]] Result<MergeRow> find_standing_merge(const Atlas& atlas, int merge_id);
+
 /// One transaction. Closures between the two sides lose their weight, and each side is optimised with what is left:
 /// where no closure is left, its keyframes lie as the odometry had them. The side that was moved lies where the gap
 /// before it says, or where it lay before the merge; what follows it by gaps goes along. The record stays, as undone.
