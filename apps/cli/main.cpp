@@ -24,17 +24,38 @@ namespace {
 /// What a program ends with when its command line cannot be understood.
 constexpr int kUsage = 2;
 
+/// The innermost command that was given, and how to call it.
+struct GivenCommand {
+  const CLI::App* app;
+  std::string words;
+};
+
+GivenCommand given_command(const CLI::App* program) {
+  GivenCommand given{program, "mmlins"};
+  while (!given.app->get_subcommands().empty()) {
+    for (const CLI::Option* option : given.app->get_options()) {
+      if (option->get_positional() && !option->empty()) given.words += " " + option->results().front();
+    }
+    given.app = given.app->get_subcommands().front();
+    given.words += " " + given.app->get_name();
+  }
+  return given;
+}
+
+/// Which commands there are where one is missing.
+std::string missing_command(const CLI::App* app) {
+  const std::vector<std::string> unknown = app->remaining();
+  std::string what = unknown.empty() ? "give a command:"
+                                     : fmt::format("there is no command '{}'; commands are", unknown.front());
+  for (const CLI::App* known : app->get_subcommands({})) what += " " + known->get_name();
+  return what;
+}
+
 /// One line for a command line that cannot be understood.
 std::string usage_error(const CLI::App* program, const CLI::Error& error) {
-  const std::vector<CLI::App*> given = program->get_subcommands();
-  const std::string command = given.empty() ? "mmlins" : "mmlins " + given.front()->get_name();
+  const auto [app, command] = given_command(program);
   std::string what = error.what();
-  if (given.empty()) {
-    const std::vector<std::string> unknown = program->remaining();
-    what = unknown.empty() ? "give a command:"
-                           : fmt::format("there is no command '{}'; commands are", unknown.front());
-    for (const CLI::App* known : program->get_subcommands({})) what += " " + known->get_name();
-  }
+  if (app == program || what == "A subcommand is required") what = missing_command(app);
   constexpr std::string_view kNoNumber = "Could not convert: ";
   if (what.starts_with(kNoNumber)) what = "not a number: " + what.substr(kNoNumber.size());
   std::replace(what.begin(), what.end(), '\n', ' ');

@@ -56,7 +56,7 @@ class Options(Refusals):
                 arguments = {"config": [], "evaluate": ["a", "b"], "maps": ["a", "list"]}.get(command, ["a"])
                 line = self.refused(command, *arguments, "--no-such-option")
                 self.assertIn("--no-such-option", line)
-                self.assertIn(f"mmlins {command} --help", line)
+                self.assertIn("mmlins maps a list --help" if command == "maps" else f"mmlins {command} --help", line)
 
     def test_missing_arguments_are_named(self):
         self.assertIn("RECORDING", self.refused("run"))
@@ -77,9 +77,14 @@ class Options(Refusals):
 
     def test_maps_names_what_it_lacks(self):
         self.assertIn("folder", self.refused("maps"))
-        self.refused("maps", ".")
+        self.assertIn("give a command: list show", self.refused("maps", "."))
+        line = self.refused("maps", ".", "foo")
+        self.assertIn("there is no command 'foo'; commands are list show", line)
+        self.assertIn("mmlins maps --help", line)
         for command in ["show", "export", "delete", "unmerge"]:
-            self.assertIn("id", self.refused("maps", ".", command))
+            line = self.refused("maps", ".", command)
+            self.assertIn("id is required", line)
+            self.assertIn(f"mmlins maps . {command} --help", line)
             self.assertIn("not a number: id = seven", self.refused("maps", ".", command, "seven"))
 
     def test_help_and_version_are_no_errors(self):
