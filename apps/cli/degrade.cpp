@@ -175,6 +175,19 @@ std::string table_of(const fs::path& bag) {
   return (bag.parent_path() / name).string() + ".events.csv";
 }
 
+Result<Counts> write_into_folder(Job& job, const fs::path& bag) {
+  const fs::path folder = bag.parent_path();
+  std::error_code failure;
+  const bool is_new = !folder.empty() && fs::create_directories(folder, failure);
+  if (failure) {
+    return make_error(ErrorCode::kIo, "{}: cannot create the folder {} ({}); choose another place for the bag", bag.string(),
+                      folder.string(), failure.message());
+  }
+  auto counts = write_bag(job, bag.string());
+  if (!counts && is_new) fs::remove(folder, failure);  // only if nothing is in it
+  return counts;
+}
+
 int degrade_command(const DegradeCommandOptions& options) {
   std::error_code ignored;
   if (fs::equivalent(options.in, options.out, ignored)) {
@@ -185,7 +198,7 @@ int degrade_command(const DegradeCommandOptions& options) {
   if (!job) return fail(job.error());
   std::signal(SIGINT, on_degrade_interrupt);
   std::signal(SIGTERM, on_degrade_interrupt);
-  const auto counts = write_bag(*job, options.out);
+  const auto counts = write_into_folder(*job, options.out);
   if (!counts) return fail(counts.error());
   const std::string table = table_of(options.out);
   if (const Status status = write_text_file(table, degrade::events_csv(job->events, job->start)); !status) {

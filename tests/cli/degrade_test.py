@@ -94,6 +94,11 @@ class DegradeTest(unittest.TestCase):
             self.assertIn("blackout", (self.folder / table).read_text())
         self.assertEqual(own.read_text(), "of the recording")
 
+    def test_the_folder_of_the_bag_is_made(self):
+        self.out = self.folder / "new/folder/out.bag"
+        self.degrade("blackout:1:1")
+        self.assertTrue((self.out.parent / "out.events.csv").exists())
+
     def test_a_bag_moves_points_towards_the_sensor_and_keeps_their_other_fields(self):
         moved = 0
         for (topic, _, _, was), (_, _, _, now) in zip(self.before, self.degrade("bag:1:2:0.8")):
@@ -147,7 +152,7 @@ class DegradeTest(unittest.TestCase):
         self.assert_refused(degrade("bag:1:1:9"), "0.15 to 1.5 m")
         self.assert_refused(degrade("bag:1:1", bag=self.folder / "none.bag"), "none.bag: no such file")
         self.assert_refused(degrade("bag:1:1", bag=__file__), "not a ROS 1 bag")
-        self.assert_refused(degrade("bag:1:1", out=self.folder / "no/out.bag"), "no/out.bag", "cannot be written")
+        self.assert_refused(degrade("bag:1:1", out=Path(self.bag) / "out.bag"), "recording.bag/out.bag", "choose another place")
         self.assert_refused(degrade("bag:1:1", more=["--lidar-topic", "/x"]), "/x", "/points")
         self.assert_refused(degrade("bag:1:1", out=self.bag), "another name")
         truncated = self.folder.parent / (self.folder.name + "_cut.bag")
