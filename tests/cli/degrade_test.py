@@ -153,6 +153,7 @@ class DegradeTest(unittest.TestCase):
         self.assert_refused(degrade("bag:1:1", bag=self.folder / "none.bag"), "none.bag: no such file")
         self.assert_refused(degrade("bag:1:1", bag=__file__), "not a ROS 1 bag")
         self.assert_refused(degrade("bag:1:1", out=Path(self.bag) / "out.bag"), "recording.bag/out.bag", "choose another place")
+        self.assert_refused(degrade("blackout:1:2:3"), "event blackout:1:2:3", "blackout has no severity; leave it out")
         self.assert_refused(degrade("bag:1:1", more=["--lidar-topic", "/x"]), "/x", "/points")
         self.assert_refused(degrade("bag:1:1", out=self.bag), "another name")
         truncated = self.folder.parent / (self.folder.name + "_cut.bag")

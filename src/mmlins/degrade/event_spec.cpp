@@ -134,6 +134,9 @@ std::string to_text(const EventSpec& event) {
 Status validate(const EventSpec& event, Duration length, const std::string& source) {
   const KindInfo& info = info_of(event.kind);
   const double severity = event.effective_severity();
+  if (info.range.min == info.range.max && severity != info.range.min) {
+    return make_error(ErrorCode::kInvalid, "{}: event {}: {} has no severity; leave it out", source, to_text(event), info.word);
+  }
   if (!(severity >= info.range.min && severity <= info.range.max)) {
     return make_error(ErrorCode::kInvalid, "{}: event {}: severity ({}) must be {} to {}{}", source,
                       to_text(event), info.severity_meaning, info.range.min, info.range.max,
