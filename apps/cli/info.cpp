@@ -224,6 +224,7 @@ int run_info(const InfoOptions& options) {
   }
   const auto info = io::inspect_recording(options.recording, rig);
   if (!info.ok()) return fail(info.error());
+  if (info->num_messages == 0) return fail(make_error(ErrorCode::kInvalid, "{}", info->problems.front()));
   if (options.json) {
     fmt::print("{}\n", to_json(*info).dump(2, ' ', false, Json::error_handler_t::replace));
   } else {
