@@ -4,6 +4,8 @@
 
 import json
 import math
+import os
+import pwd
 import struct
 import subprocess
 import sys
@@ -220,6 +222,22 @@ class OtherMessages(BagsTest):
         self.assertEqual(gaps["count"], 1)
         self.assertAlmostEqual(gaps["longest_s"], 0.3, places=6)
         self.assertAlmostEqual(gaps["longest_begins_at_s"], 0.5, places=6)
+
+
+class Home(BagsTest):
+    def test_a_home_is_neither_needed_nor_written_to(self):
+        """The home that counts is the one in the table of users; who may not write there must not hear of it."""
+        self.write(imu_messages(), scans(XYZ + [("time", "float32")], relative(1)))
+        temporary = Path(self.folder.name) / "temporary"
+        temporary.mkdir(mode=0o777)
+        ros = Path(pwd.getpwuid(os.geteuid()).pw_dir) / ".ros"
+        before = [(p, p.stat().st_mtime_ns) for p in sorted(ros.glob("rospack*"))]
+        environment = {key: value for key, value in os.environ.items() if key != "ROS_HOME"}
+        environment |= {"TMPDIR": str(temporary), "ROS_CACHE_TIMEOUT": "0"}  # note it each time
+        run = subprocess.run([MMLINS, "info", self.bag], capture_output=True, text=True, env=environment)
+        self.assertEqual((run.returncode, run.stderr), (0, ""))
+        self.assertEqual([(p, p.stat().st_mtime_ns) for p in sorted(ros.glob("rospack*"))], before)
+        self.assertEqual(list(temporary.iterdir()), [])
 
 
 class Problems(BagsTest):

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "mmlins/io/rosbag1/rosbag1_raw_writer.hpp"
 
-#include <console_bridge/console.h>
-#include <rosbag/bag.h>
-
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -13,6 +10,7 @@
 #include <vector>
 
 #include "mmlins/base/text_file.hpp"
+#include "mmlins/io/rosbag1/make_bag.hpp"
 
 namespace mmlins::io {
 namespace {
@@ -62,7 +60,7 @@ namespace mmlins::io {
 struct Rosbag1RawWriter::Impl {
   std::string path;
   std::string temporary_path;
-  std::unique_ptr<rosbag::Bag> bag = std::make_unique<rosbag::Bag>();
+  std::unique_ptr<rosbag::Bag> bag = make_bag();
   bool is_open = false;
   struct Connection {
     std::string topic;
@@ -110,7 +108,6 @@ Rosbag1RawWriter& Rosbag1RawWriter::operator=(Rosbag1RawWriter&&) noexcept = def
 Rosbag1RawWriter::~Rosbag1RawWriter() = default;
 
 Result<Rosbag1RawWriter> Rosbag1RawWriter::create(const std::string& path) {
-  console_bridge::noOutputHandler();  // the library would print each error a second time
   auto impl = std::make_unique<Impl>();
   impl->path = path;
   impl->temporary_path = path + ".part";

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "mmlins/io/rosbag1/rosbag1_reader.hpp"
 
-#include <console_bridge/console.h>
-#include <rosbag/bag.h>
 #include <rosbag/view.h>
 
 #include <algorithm>
@@ -14,11 +12,13 @@
 #include <unordered_map>
 #include <utility>
 
+#include "mmlins/io/rosbag1/make_bag.hpp"
+
 namespace mmlins::io {
 
 struct Rosbag1Reader::Impl {
   std::string path;
-  rosbag::Bag bag;
+  std::unique_ptr<rosbag::Bag> bag = make_bag();
   std::vector<BagTopic> topics;
   std::vector<BagConnection> connections;
   std::size_t num_messages = 0;
@@ -98,12 +98,11 @@ Rosbag1Reader::~Rosbag1Reader() = default;
 
 Result<Rosbag1Reader> Rosbag1Reader::open(const std::string& path) {
   if (const Status status = check_is_bag(path); !status.ok()) return status.error();
-  console_bridge::noOutputHandler();  // the library would print each error a second time
   auto impl = std::make_unique<Impl>();
   impl->path = path;
   try {
-    impl->bag.open(path, rosbag::bagmode::Read);
-    rosbag::View all(impl->bag);
+    impl->bag->open(path, rosbag::bagmode::Read);
+    rosbag::View all(*impl->bag);
     impl->num_messages = all.size();
     if (impl->num_messages > 0) {
       impl->start_time = to_time(all.getBeginTime());
@@ -122,7 +121,7 @@ Result<Rosbag1Reader> Rosbag1Reader::open(const std::string& path) {
       const ConnectionQuery is_member = [&list = members](const rosbag::ConnectionInfo* connection) {
         return std::find(list.begin(), list.end(), connection) != list.end();
       };
-      impl->topics.push_back({topic.first, topic.second, rosbag::View(impl->bag, is_member).size()});
+      impl->topics.push_back({topic.first, topic.second, rosbag::View(*impl->bag, is_member).size()});
     }
   } catch (const rosbag::BagUnindexedException&) {
     return make_error(ErrorCode::kInvalid,
@@ -152,7 +151,7 @@ Result<std::vector<Time>> Rosbag1Reader::record_times(std::size_t topic) const {
     const ConnectionQuery is_topic = [this, topic](const rosbag::ConnectionInfo* connection) {
       return impl_->topic_of_connection.at(&connection->topic) == topic;
     };
-    rosbag::View view(impl_->bag, is_topic);
+    rosbag::View view(*impl_->bag, is_topic);
     for (const auto& message : view) times.push_back(to_time(message.getTime()));
   } catch (const std::exception& exception) {
     return damaged(impl_->path, exception.what());
@@ -167,7 +166,7 @@ Status Rosbag1Reader::select(const std::vector<std::size_t>& topics) {
       return std::find(topics.begin(), topics.end(), topic) != topics.end();
     };
     impl_->position = rosbag::View::iterator();  // it refers to the view that goes
-    impl_->view = std::make_unique<rosbag::View>(impl_->bag, is_selected);
+    impl_->view = std::make_unique<rosbag::View>(*impl_->bag, is_selected);
     impl_->position = impl_->view->begin();
     impl_->at_message = false;
   } catch (const std::exception& exception) {
