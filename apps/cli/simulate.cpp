@@ -160,11 +160,6 @@ Result<Written> simulate_into(const fs::path& out, sim::Simulation& simulation, 
 }
 
 int simulate(const SimulateOptions& options) {
-  if (options.list) return list_scenarios();
-  if (options.scenario.empty() || options.out.empty()) {
-    return fail(make_error(ErrorCode::kInvalid,
-                           "simulate needs a scenario and --out FOLDER; --list shows the scenarios"));
-  }
   auto config = sim::load_scenario(options.scenario, options.overrides);
   if (!config) return fail(config.error());
   const auto simulation = sim::open_simulation(*config, options.scenario);
@@ -208,7 +203,11 @@ void add_simulate(CLI::App& program, int& exit_code) {
       ->allow_extra_args(false);
   command->add_flag("--list", options->list,
                     "list the built-in scenarios, and what scenarios can be made of");
-  command->callback([options, &exit_code] { exit_code = simulate(*options); });
+  command->callback([options, &exit_code] {
+    const bool is_whole = options->list || (!options->scenario.empty() && !options->out.empty());
+    if (!is_whole) throw CLI::RequiredError("SCENARIO with --out FOLDER, or --list,");
+    exit_code = options->list ? list_scenarios() : simulate(*options);
+  });
 }
 
 }  // namespace mmlins::cli

@@ -69,7 +69,8 @@ class Options(Refusals):
         self.assertIn("--align: sim3 not in {se3,yaw,none}", self.refused("evaluate", "a", "b", "--align", "sim3"))
 
     def test_a_command_line_that_cannot_be_understood_ends_with_2_and_bad_input_with_1(self):
-        for arguments in [(), ("frobnicate",), ("run",), ("run", "a.bag", "--threads", "two"), ("maps", ".", "show", "seven")]:
+        for arguments in [(), ("frobnicate",), ("run",), ("run", "a.bag", "--threads", "two"), ("maps", ".", "show", "seven"),
+                          ("simulate",), ("simulate", "demo")]:
             self.refused(*arguments)
             self.assertEqual(self.exit_code, 2, arguments)
         self.refused("run", "missing.bag")
