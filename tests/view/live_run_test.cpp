@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "mmlins/view/live_run.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "tests/view/example_run.hpp"
 
@@ -90,6 +93,35 @@ TEST_F(Live, TheSceneIsLiveUntilTheRunHasEnded) {
   EXPECT_EQ(news(position), "");
   EXPECT_TRUE(has(run_->scene(), R"("live":false)"));
   EXPECT_EQ(run_->tile(0, 9, 0).status, 200);
+}
+
+/// Whether other processes see that somebody has the file open. To be asked by one of them.
+bool is_locked_for_others(const std::string& path) {
+  const pid_t child = fork();
+  if (child == 0) {
+    struct flock lock {};
+    lock.l_type = F_WRLCK;
+    const bool has_answer = fcntl(::open(path.c_str(), O_RDWR), F_GETLK, &lock) == 0;
+    _exit(has_answer && lock.l_type != F_UNLCK ? 1 : 0);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) && WEXITSTATUS(status) == 1;
+}
+
+TEST(LiveRun, LeavesTheWriterOfTheAtlasItsLocks) {
+  const atlas::TemporaryFolder folder;
+  auto writer = atlas::Atlas::create(folder / "atlas");
+  ASSERT_TRUE(writer.ok());
+  ASSERT_TRUE(writer->add_map(atlas::example_map(0)).ok() && writer->commit().ok());
+  const std::string index = folder / "atlas/index.sqlite";
+  ASSERT_TRUE(is_locked_for_others(index));
+  {
+    const auto run = LiveRun::open(folder.path());
+    ASSERT_TRUE(run.ok());
+    EXPECT_TRUE(is_locked_for_others(index));
+  }
+  EXPECT_TRUE(is_locked_for_others(index));
 }
 
 }  // namespace

@@ -65,8 +65,9 @@ class Atlas {
   /// For reading, with an index made in memory from the chunk files and what can still be read of the old
   /// index.
   [[nodiscard]] static Result<Atlas> salvage(const std::string& folder);
-  /// The same atlas, for reading in another thread of this process: what was committed is seen there.
-  [[nodiscard]] Result<Atlas> reader() const;
+  /// For reading in another thread of the process that writes it: what was committed is seen there.
+  [[nodiscard]] static Result<Atlas> reader(const std::string& folder);
+  [[nodiscard]] Result<Atlas> reader() const { return reader(folder_); }
   Atlas(Atlas&& other) noexcept;
   Atlas& operator=(Atlas&& other) = delete;
   /// Commits; better do so before, where an error can be told.

@@ -197,11 +197,11 @@ Result<Atlas> Atlas::open(const std::string& folder, Access access, const AtlasO
   return atlas;
 }
 
-Result<Atlas> Atlas::reader() const {
+Result<Atlas> Atlas::reader(const std::string& folder) {
   // By SQLite alone: if any other code of this process closed the file, the locks of the writer would go.
-  auto database = open_for_reading(index_path(folder_));
+  auto database = open_for_reading(index_path(folder));
   if (!database) return database.error();
-  return Atlas(folder_, std::move(database).value(), options_);
+  return Atlas(folder, std::move(database).value(), {});
 }
 
 std::string find_atlas(const std::string& folder) {

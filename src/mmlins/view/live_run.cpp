@@ -26,9 +26,9 @@ LiveRun::~LiveRun() = default;
 
 Result<std::unique_ptr<LiveRun>> LiveRun::open(const std::string& folder) {
   // Two connections: one thread reads what the maps are while another reads points.
-  auto rows = atlas::Atlas::open(folder + "/atlas", atlas::Access::kRead);
+  auto rows = atlas::Atlas::reader(folder + "/atlas");
   if (!rows) return rows.error();
-  auto points = atlas::Atlas::open(folder + "/atlas", atlas::Access::kRead);
+  auto points = atlas::Atlas::reader(folder + "/atlas");
   if (!points) return points.error();
   std::unique_ptr<LiveRun> run(new LiveRun(std::filesystem::weakly_canonical(folder).filename().string()));
   run->atlas_ = std::make_shared<const atlas::Atlas>(std::move(*rows));

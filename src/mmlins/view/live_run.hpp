@@ -30,7 +30,7 @@ struct LiveScan {
 
 class LiveRun final : public Content, public LiveFeed {
  public:
-  /// @param folder  of the run, whose atlas has been created
+  /// @param folder  of the run, whose atlas this process is writing
   [[nodiscard]] static Result<std::unique_ptr<LiveRun>> open(const std::string& folder);
   ~LiveRun() override;
 
