@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "mmlins/atlas/database.hpp"
 #include "tests/atlas/chained_maps.hpp"
 
 namespace mmlins::atlas {
@@ -16,6 +17,10 @@ class Unmerge : public testing::Test {
     const auto committed = atlas_.apply(chain_merge(atlas_, map, into, T_into_map));
     EXPECT_TRUE(committed.ok());
     return committed->merge_ids.at(0);
+  }
+  void change_index(const std::string& sql) {
+    const auto database = Database::open(folder_ / "atlas/index.sqlite", OpenMode::kWrite);
+    ASSERT_TRUE(database.ok() && (*database)->execute(sql).ok()) << sql;
   }
 
   TemporaryFolder folder_;
@@ -86,6 +91,30 @@ TEST_F(Unmerge, SaysWhatCannotBeTakenBack) {
   EXPECT_NE(unmerge(atlas_, 7).error().message.find("there is no merge 7; there is 1"), std::string::npos);
   ASSERT_TRUE(unmerge(atlas_, id).ok());
   EXPECT_NE(unmerge(atlas_, id).error().message.find("merge 1 was taken back already"), std::string::npos);
+}
+
+TEST_F(Unmerge, SaysWhichMapIsDamagedAndChangesNothing) {
+  fill_with_chain(atlas_, 3, true);
+  const int id = merge(2, 0, kElsewhere);
+  // The two of the merge, and one on which another hangs by a gap.
+  for (const int damaged : {0, 1, 2}) {
+    change_index(fmt::format("UPDATE map SET state = '' WHERE id = {}", damaged));
+    const auto refused = unmerge(atlas_, id);
+    ASSERT_FALSE(refused.ok()) << damaged;
+    const std::string& message = refused.error().message;
+    EXPECT_NE(message.find(fmt::format("map {} is damaged", damaged)), std::string::npos) << message;
+    EXPECT_NE(message.find("mmlins maps " + atlas_.folder() + " check"), std::string::npos) << message;
+    change_index("UPDATE map SET state = 'sleeping'");
+  }
+  EXPECT_FALSE(atlas_.merges()->front().undone);
+  EXPECT_TRUE(unmerge(atlas_, id).ok());
+}
+
+TEST_F(Unmerge, SaysThatAMergeIsNotWhatTheMapsSay) {
+  fill_with_chain(atlas_, 3, true);
+  const int id = merge(2, 1, kElsewhere);
+  change_index("UPDATE map SET world = 0 WHERE id = 1");
+  EXPECT_NE(unmerge(atlas_, id).error().message.find("maps 2 and 1 of merge 1 lie apart"), std::string::npos);
 }
 
 }  // namespace

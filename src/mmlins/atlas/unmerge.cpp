@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -25,7 +26,9 @@ class Split {
     for (KeyframeRow& keyframe : keyframes) keyframes_.emplace(keyframe.id, std::move(keyframe));
   }
 
-  /// Which maps the merge brought together, by the merges that are left.
+  /// A map that is referred to, but whose row is damaged and was left out; nothing if there is none.
+  [[nodiscard]] std::optional<int> missing_map(const std::vector<MergeRow>& merges) const;
+  /// Which maps the merge brought together, by the merges that are left. @pre no map is missing
   void divide(const MergeRow& merge, const std::vector<MergeRow>& merges);
   /// The poses of one side without the other.
   [[nodiscard]] Status settle(const Maps& side);
@@ -60,6 +63,19 @@ class Split {
   std::vector<GravityRow> gravity_;
   Maps stayed_, moved_;
 };
+
+std::optional<int> Split::missing_map(const std::vector<MergeRow>& merges) const {
+  Maps needed;
+  for (const MergeRow& merge : merges) {
+    if (!merge.undone) needed.insert({merge.map, merge.into});
+  }
+  for (const EdgeRow& row : edges_) {
+    if (row.edge.kind == graph::EdgeKind::kGap) needed.insert({map_of(row.edge.from), map_of(row.edge.to)});
+  }
+  needed.erase(-1);  // a gap whose keyframe is damaged tells nothing, and nothing rests on it
+  const auto missing = std::find_if(needed.begin(), needed.end(), [this](int map) { return !maps_.contains(map); });
+  return missing == needed.end() ? std::nullopt : std::optional(*missing);
+}
 
 void Split::divide(const MergeRow& merge, const std::vector<MergeRow>& merges) {
   const int world = maps_.at(merge.map).world;
@@ -201,12 +217,20 @@ Result<Unmerged> unmerge(Atlas& atlas, int merge_id) {
   if (!keyframes || !edges || !gravity) return !keyframes ? keyframes.error() : edges ? gravity.error() : edges.error();
   const auto merge = find_standing_merge(atlas, merge_id);
   if (!merge) return merge.error();
+  Split split(*maps, *keyframes, *edges, *gravity);
+  if (const auto missing = split.missing_map(*merges)) {
+    return make_error(ErrorCode::kInvalid, "{0}: map {1} is damaged, and others hang on it; see: mmlins maps {0} check",
+                      atlas.folder(), *missing);
+  }
   if (const MergeRow* later = later_merge(*merge, *merges, *maps)) {
     return make_error(ErrorCode::kInvalid, "{}: merge {} (map {} into {}) rests on merge {}; take that back first",
                       atlas.folder(), later->id, later->map, later->into, merge_id);
   }
-  Split split(*maps, *keyframes, *edges, *gravity);
   split.divide(*merge, *merges);
+  if (!split.stayed().contains(merge->into)) {
+    return make_error(ErrorCode::kInvalid, "{0}: maps {1} and {2} of merge {3} lie apart; see: mmlins maps {0} check",
+                      atlas.folder(), merge->map, merge->into, merge_id);
+  }
   for (const Maps* side : {&split.stayed(), &split.moved()}) {
     if (const Status status = split.settle(*side); !status) return status.error();
   }

@@ -21,7 +21,8 @@ struct Unmerged {
 /// One transaction. Closures between the two sides lose their weight, and each side is optimised with what is left:
 /// where no closure is left, its keyframes lie as the odometry had them. The side that was moved lies where the gap
 /// before it says, or where it lay before the merge; what follows it by gaps goes along. The record stays, as undone.
-/// @return an error if there is no such merge, it was undone already, or a later one rests on it
+/// @return an error if there is no such merge, it was undone already, a later one rests on it, or a map that is needed
+///   is damaged
 [[nodiscard]] Result<Unmerged> unmerge(Atlas& atlas, int merge_id);
 
 }  // namespace mmlins::atlas
