@@ -164,5 +164,35 @@ TEST(SensorSync, AfterAJumpForwardNoScanIsLost) {
   EXPECT_EQ(given, 20);
 }
 
+TEST(SensorSync, AScanFromTheFutureIsCountedAndLeftOut) {
+  SensorSync sync;
+  std::vector<SyncedScan> all;
+  for (int i = 1; i <= 10; ++i) {
+    sync.add(scan_at(i == 4 || i == 5 ? 3600.0 + 0.1 * i : 0.1 * i));
+    add_imu(sync, 0.1 * i - 0.09, 0.1 * i);
+    for (SyncedScan& synced : drain(sync)) all.push_back(std::move(synced));
+  }
+  ASSERT_EQ(all.size(), 8U);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    EXPECT_NEAR(seconds_of(all[i]), 0.1 * static_cast<double>(i < 3 ? i + 1 : i + 3), 1e-9);
+    EXPECT_LE(all[i].scan->end_time, all[i].imu.back().time);
+  }
+  EXPECT_EQ(sync.num_scans_ahead(), 2);
+  EXPECT_EQ(sync.num_clock_jumps(), 0);
+}
+
+TEST(SensorSync, ScansThatStayAheadOfTheImuAreGivenOut) {
+  SensorSync sync;
+  std::size_t given = 0;
+  for (int i = 1; i <= 50; ++i) {
+    sync.add(scan_at(100.0 + 0.1 * i));
+    add_imu(sync, 0.1 * i - 0.09, 0.1 * i);
+    given += drain(sync).size();
+  }
+  sync.finish();
+  EXPECT_EQ(given + drain(sync).size(), 50U);
+  EXPECT_EQ(sync.num_scans_ahead(), 0);
+}
+
 }  // namespace
 }  // namespace mmlins::pipeline

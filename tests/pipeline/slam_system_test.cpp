@@ -227,6 +227,24 @@ TEST(SlamSystem, AClockThatJumpsForwardLosesNoScan) {
   expect_in_order(result);
 }
 
+TEST(SlamSystem, OneScanFromTheFutureCostsThatScanAlone) {
+  Items items = recording().items;
+  int num_scans = 0;
+  for (sensor::Item& item : items) {
+    auto* scan = std::get_if<sensor::LidarScan>(&item);
+    if (!scan || ++num_scans != 40) continue;
+    scan->start_time += from_seconds(3600.0);
+    scan->end_time += from_seconds(3600.0);
+  }
+  const RunResult result = run_items(std::move(items));
+  EXPECT_EQ(result.num_scans_ahead, 1);
+  EXPECT_EQ(result.num_scans_not_later, 0);
+  EXPECT_EQ(static_cast<int>(result.scans.size()), recording().num_scans - 1);
+  EXPECT_EQ(result.scans.back().state, TrackingState::kTracking);
+  EXPECT_LT(error_at(result, result.scans.back()), kNotLost);
+  expect_in_order(result);
+}
+
 TEST(SlamSystem, ADamagedRecordingKeepsWhatCameBefore) {
   Items items = recording().items;
   items.resize(items.size() / 2);

@@ -134,6 +134,7 @@ std::string summary_json(const RunResult& result, const RunSource& source, const
   summary["maps"] = maps_json(result);
   summary["mapping"] = mapping_json(result);
   summary["scans_left_out"] = {{"before_imu", result.num_scans_without_imu}, {"not_later", result.num_scans_not_later}};
+  summary["scans_ahead_left_out"] = result.num_scans_ahead;
   summary["imu_samples_not_later"] = result.num_late_imu_samples;
   summary["clock_jumps_back"] = result.num_clock_jumps;
   summary["interrupted"] = result.interrupted;

@@ -52,7 +52,22 @@ void SensorSync::add(sensor::LidarScan scan) {
   scans_.push_back(std::make_shared<const sensor::LidarScan>(std::move(scan)));
 }
 
+void SensorSync::drop_scans_from_the_future() {
+  const auto is_ahead = [this](Time end) {
+    const auto came_later = [&](const auto& scan) { return scan->end_time + kClockJump < end; };
+    return newest_imu_ && *newest_imu_ + kClockJump < end && std::any_of(scans_.begin(), scans_.end(), came_later);
+  };
+  while (!scans_.empty() && is_ahead(scans_.front()->end_time)) {
+    if (num_scans_ahead_++ == 0) {
+      log::warning("the scan at {:.3f} s is later than the IMU and the scans after it, and is left out",
+                   to_seconds(scans_.front()->end_time.time_since_epoch()));
+    }
+    scans_.pop_front();
+  }
+}
+
 std::optional<SyncedScan> SensorSync::next() {
+  drop_scans_from_the_future();
   if (scans_.empty()) return std::nullopt;
   const Time end = scans_.front()->end_time;
   const bool reached = newest_imu_ && *newest_imu_ >= end;

@@ -124,6 +124,7 @@ RunResult Runner::run(sensor::Dataset& dataset) {
   odometry_.reset();  // what is done next needs the memory
   settle();
   result_.num_late_imu_samples += sync_.num_late_imu_samples();
+  result_.num_scans_ahead = sync_.num_scans_ahead();
   result_.num_clock_jumps = sync_.num_clock_jumps();
   result_.wall_seconds = 1e-3 * whole.lap_ms();
   return std::move(result_);

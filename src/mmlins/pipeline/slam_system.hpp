@@ -70,6 +70,7 @@ struct RunResult {
   VoxelMapBuilder map{1.0};     ///< in the frame of the first map
   int num_scans_without_imu = 0;
   int num_scans_not_later = 0;
+  int num_scans_ahead = 0;      ///< of the IMU and of scans that came later
   int num_late_imu_samples = 0;
   int num_clock_jumps = 0;
   double wall_seconds = 0.0;
