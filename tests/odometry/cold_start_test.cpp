@@ -43,6 +43,8 @@ Window first_seconds(double seconds) {
   return window;
 }
 
+bool holds_scan(const sensor::Item& item) { return std::holds_alternative<sensor::LidarScan>(item); }
+
 TEST(ColdStart, ASpeedThatHasNotSettledIsRefused) {
   const Window window = first_seconds(2.3);
   OdometryConfig config;
@@ -89,6 +91,40 @@ TEST(ColdStart, ScansOfNothingBeforeItHaveAPoseAndNoClaim) {
   const math::SE3 true_way = drive.scans.front().T_world_imu.inverse() * drive.scans.back().T_world_imu;
   EXPECT_LT((way.t - true_way.t).norm(), 1.0);
   EXPECT_GT(true_way.t.norm(), 30.0);
+}
+
+TEST(ColdStart, ARecordingThatSeesNothingHasAPoseForEachScanWhereverItEnds) {
+  constexpr int kLongest = 50;
+  auto config = sim::load_scenario("dev_start_in_motion", {"sensor.columns=8", "duration=6"});
+  ASSERT_TRUE(config.ok()) << config.error().message;
+  sim::Simulation simulation(*config);
+  std::vector<sensor::Item> items;
+  while (std::count_if(items.begin(), items.end(), holds_scan) < kLongest) items.push_back(*simulation.next());
+  for (int num_scans = 1; num_scans <= kLongest; ++num_scans) {
+    LidarInertialOdometry odometry(OdometryConfig{}, simulation.rig());
+    std::vector<ScanResult> results;
+    int num_given = 0;
+    for (const sensor::Item& item : items) {
+      if (num_given == num_scans) break;
+      if (const auto* scan = std::get_if<sensor::LidarScan>(&item)) {
+        auto empty = std::make_shared<sensor::LidarScan>();
+        empty->start_time = scan->start_time;
+        empty->end_time = scan->end_time;
+        for (ScanResult& result : odometry.add_scan(empty).results) results.push_back(std::move(result));
+        ++num_given;
+      } else {
+        ASSERT_EQ(odometry.add_imu(std::get<sensor::ImuSample>(item)), sensor::ImuAdmission::kAccepted);
+      }
+    }
+    for (ScanResult& result : odometry.finish()) results.push_back(std::move(result));
+    ASSERT_EQ(static_cast<int>(results.size()), num_scans);
+    ASSERT_EQ(odometry.maps().size(), 1U);
+    EXPECT_EQ(odometry.maps()[0].why_ended, Cause::kNoStart);
+    for (const ScanResult& result : results) {
+      EXPECT_EQ(result.state, TrackingState::kLost);
+      EXPECT_TRUE(result.estimate.state.p_odom.allFinite());
+    }
+  }
 }
 
 TEST(ColdStart, ARecordingTooShortToStartIsGivenPosesAndCalledLost) {

@@ -34,8 +34,8 @@ LidarInertialOdometry::Output LidarInertialOdometry::add_scan(ScanPointer scan) 
     output.admission = ScanAdmission::kNoImu;
     return output;
   }
-  const bool later = tracker_ ? scan->end_time > tracker_->estimate().state.time
-                              : waiting_.empty() || scan->end_time > waiting_.back()->end_time;
+  const ScanPointer& last = waiting_.empty() ? last_dropped_ : waiting_.back();
+  const bool later = tracker_ ? scan->end_time > tracker_->estimate().state.time : !last || scan->end_time > last->end_time;
   if (!later) {
     output.admission = ScanAdmission::kNotLater;
     return output;
@@ -221,7 +221,13 @@ void LidarInertialOdometry::wake_in_new_map() {
 }
 
 std::vector<ScanResult> LidarInertialOdometry::finish() {
-  if (tracker_ || waiting_.empty()) return {};
+  if (tracker_) return {};
+  if (waiting_.empty() && last_dropped_) {  // there must be a scan to begin with
+    waiting_.push_back(std::move(last_dropped_));
+    dropped_.pop_back();
+    why_dropped_.pop_back();
+  }
+  if (waiting_.empty()) return {};
   OdometryConfig patient = config_;
   patient.start.rest_window = 0.0;
   patient.start.motion_window = 0.0;
@@ -261,6 +267,7 @@ std::vector<ScanResult> LidarInertialOdometry::try_to_start(const OdometryConfig
     blind -= std::min<std::size_t>(blind, 1);
     dropped_.push_back(waiting_.front()->end_time);
     why_dropped_.push_back(waiting_.front()->size() == 0 ? Cause::kNoPoints : Cause::kNoStart);
+    last_dropped_ = std::move(waiting_.front());
     waiting_.erase(waiting_.begin());
   }
   return {};
@@ -289,6 +296,7 @@ std::vector<ScanResult> LidarInertialOdometry::begin_with(Start start) {
   waiting_.clear();
   dropped_.clear();
   why_dropped_.clear();
+  last_dropped_.reset();
   imu_.forget_before(tracker_->needs_imu_since());
   return results;
 }

@@ -73,6 +73,7 @@ class LidarInertialOdometry {
   std::vector<ScanPointer> waiting_;
   std::vector<Time> dropped_;             ///< ends of the scans that waited for a start too long ago
   std::vector<Cause> why_dropped_;        ///< of each of them
+  ScanPointer last_dropped_;              ///< the last of them
   std::optional<Time> next_attempt_;      ///< to start, after one that was refused
   double start_ms_ = 0.0;                 ///< spent on attempts to start
   std::unique_ptr<ScanTracker> tracker_;  ///< of the active map; while that sleeps, the IMU's, ready to return
