@@ -276,6 +276,19 @@ TEST(AtlasKeyframeStore, LetsNothingGoThatIsNotOnDisk) {
   for (int id = 0; id < 10; ++id) expect_same(**store.load(id), example_keyframe(id, 0));
 }
 
+TEST(AtlasKeyframeStore, StaysWithinItsBudgetButForWhatNeverComesToTheDisk) {
+  const TemporaryFolder folder;
+  Atlas atlas = created(folder);
+  const std::size_t one = size_in_memory(example_keyframe(1, 0));
+  AtlasKeyframeStore store(atlas, 2 * one, [](int id) { return id != 1; });
+  for (int id = 0; id < 10; ++id) {
+    ASSERT_TRUE(id == 1 || atlas.add_keyframe(example_keyframe(id, 0)).ok());
+    ASSERT_TRUE(store.add(std::make_shared<const keyframe::Keyframe>(example_keyframe(id, 0))).ok());
+    EXPECT_LE(store.bytes_kept(), 2 * one);
+  }
+  for (int id = 0; id < 10; ++id) expect_same(**store.load(id), example_keyframe(id, 0));
+}
+
 TEST(Atlas, IsReadByAnotherThreadOnceCommitted) {
   const TemporaryFolder folder;
   Atlas writer = created(folder);

@@ -297,6 +297,25 @@ TEST(BackEnd, TellsTheFirstErrorAndGoesOn) {
   EXPECT_TRUE(atlas.check()->problems.empty());
 }
 
+TEST(BackEnd, KeepsWhatCouldNotBeWritten) {
+  const TemporaryFolder folder;
+  Atlas atlas = created(folder);
+  mapping::MappingConfig config;
+  config.memory_mb = 0;
+  BackEnd back_end(config, &atlas, scripted({}));
+  back_end.add(BeginOfMap{{0, {}, std::nullopt}, record_of(0)});
+  for (int id = 0; id < 8; ++id) {
+    keyframe::Keyframe kf = *made_keyframe(id);
+    if (id == 3) kf.points_imu[0].x() = 2.0F * static_cast<float>(keyframe::kPointReach);  // too far
+    back_end.add(NewKeyframe{std::make_shared<const keyframe::Keyframe>(kf), math::Matrix6d::Identity()});
+  }
+  back_end.finish();
+  ASSERT_FALSE(atlas.load_keyframe(3).ok());
+  // One more, for which all that is on the disk makes room.
+  ASSERT_TRUE(back_end.store().add(made_keyframe(8)).ok());
+  for (int id = 0; id < 8; ++id) EXPECT_TRUE(back_end.store().load(id).ok()) << id;
+}
+
 TEST(BackEnd, SaysThatMemoryIsNotBoundedWhereTheAtlasCannotBeReadBack) {
   const TemporaryFolder folder;
   Atlas atlas = created(folder);

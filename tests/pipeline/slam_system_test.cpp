@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "mmlins/base/parallel.hpp"
+#include "tests/atlas/example.hpp"
 #include "tests/pipeline/edited_recording.hpp"
 
 namespace mmlins::pipeline {
@@ -252,6 +253,23 @@ TEST(SlamSystem, ADamagedRecordingKeepsWhatCameBefore) {
   const RunResult result = run_items(std::move(items), "recording.bag is cut off");
   EXPECT_EQ(result.read_error, "recording.bag is cut off");
   EXPECT_EQ(static_cast<std::ptrdiff_t>(result.scans.size()), scans);
+}
+
+TEST(SlamSystem, SaysThatTheMapLacksWhatCannotBeReadBack) {
+  const atlas::TemporaryFolder folder;
+  auto atlas = atlas::Atlas::create(folder / "atlas");
+  ASSERT_TRUE(atlas.ok());
+  const std::string chunk = folder / "atlas/points_0000.chunk";
+  const Observer take_away = [&](const ScanRecord&, double) {
+    std::filesystem::remove(chunk);
+    return true;
+  };
+  SlamConfig config;
+  config.mapping.memory_mb = 0;
+  MemoryDataset dataset(recording().items);
+  const RunResult result = run(dataset, recording().rig, config, take_away, &*atlas);
+  EXPECT_NE(result.mapping.error.find(chunk + ": is missing"), std::string::npos) << result.mapping.error;
+  EXPECT_EQ(static_cast<int>(result.scans.size()), recording().num_scans);
 }
 
 TEST(SlamSystem, StopsWhenToldToAndKeepsWhatThereIs) {

@@ -12,10 +12,12 @@ void AtlasKeyframeStore::keep(const keyframe::KeyframePointer& keyframe) {
   recent_.push_front(keyframe);
   index_[keyframe->id] = recent_.begin();
   bytes_kept_ += size_in_memory(*keyframe);
-  while (bytes_kept_ > budget_ && on_disk_(recent_.back()->id)) {
-    bytes_kept_ -= size_in_memory(*recent_.back());
-    index_.erase(recent_.back()->id);
-    recent_.pop_back();
+  for (auto one = recent_.end(); bytes_kept_ > budget_ && one != recent_.begin();) {
+    --one;
+    if (!on_disk_((*one)->id)) continue;
+    bytes_kept_ -= size_in_memory(**one);
+    index_.erase((*one)->id);
+    one = recent_.erase(one);
   }
 }
 

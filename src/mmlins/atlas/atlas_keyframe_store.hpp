@@ -21,8 +21,8 @@ class AtlasKeyframeStore final : public keyframe::KeyframeStore {
  public:
   /// @param atlas    must outlive the store
   /// @param budget   of what the store keeps; keyframes that somebody still uses, or that are not on disk
-  ///   yet, come on top [bytes]
-  /// @param on_disk  whether the keyframe of an id can be read from the atlas by now, or never will
+  ///   yet or never will be, come on top [bytes]
+  /// @param on_disk  whether the keyframe of an id can be read from the atlas by now
   AtlasKeyframeStore(const Atlas& atlas, std::size_t budget, std::function<bool(int id)> on_disk)
       : atlas_(atlas), budget_(budget), on_disk_(std::move(on_disk)) {}
 

@@ -41,7 +41,7 @@ std::unique_ptr<keyframe::KeyframeStore> BackEnd::make_store(const mapping::Mapp
   constexpr std::size_t kMega = 1'000'000;
   return std::make_unique<atlas::AtlasKeyframeStore>(*reader_,
                                                      static_cast<std::size_t>(config.memory_mb) * kMega,
-                                                     [this](int id) { return storage_->is_done_with(id); });
+                                                     [this](int id) { return storage_->is_on_disk(id); });
 }
 
 void BackEnd::add(MappingTask task) {

@@ -62,7 +62,7 @@ std::optional<odometry::RebuiltMap> MapRebuilder::rebuild(const mapping::MapGrap
   // What a merge brought that was taken back has to go, even if nothing comes in its place.
   if (!std::exchange(was_wrong_, false) && static_cast<int>(around.known.size()) < config_.min_known)
     return std::nullopt;
-  // A keyframe that cannot be read is missing from the map; the store has said so.
+  // A keyframe that cannot be read is missing here, as it is from the map of the run, where it is told in the end.
   std::vector<odometry::PlacedPoints> known, recent;
   for (const mapping::PlacedKeyframe& one : around.known) {
     if (const auto loaded = store.load(one.id)) known.push_back(placed_points(*loaded, one.T_map_imu));

@@ -88,6 +88,8 @@ class Runner {
   /// Waits for the back end, and puts everything where it lies in the end.
   void settle();
   void take_from_mapper();
+  /// Of all keyframes where they lie in the end; says if some are lost.
+  void build_map();
 
   const SlamConfig& config_;
   const sensor::Rig& rig_;
@@ -239,6 +241,24 @@ void Runner::take_back() {
   odometry_->offer(std::move(*rebuilt));
 }
 
+void Runner::build_map() {
+  MappingResult& mapping = result_.mapping;
+  result_.map = VoxelMapBuilder(config_.output.map_voxel);
+  int num_lost = 0;
+  for (int id = 0; id < static_cast<int>(mapping.keyframes.size()); ++id) {
+    const KeyframePlace& place = mapping.keyframes[static_cast<std::size_t>(id)];
+    const auto keyframe = back_end_.store().load(id);
+    if (keyframe) {
+      result_.map.add(**keyframe, place.T_world_imu);
+    } else if (num_lost++ == 0 && mapping.error.empty()) {
+      mapping.error = keyframe.error().message;
+    }
+  }
+  if (num_lost == 0) return;
+  log::warning("{} of {} keyframes cannot be read back and are missing from the map; mmlins maps check tells more",
+               num_lost, mapping.keyframes.size());
+}
+
 void Runner::settle() {
   finish_keyframe();
   if (latest_map_ >= 0) back_end_.add(EndOfMap{result_.maps[static_cast<std::size_t>(latest_map_)]});
@@ -246,11 +266,7 @@ void Runner::settle() {
   take_from_mapper();
   return_freed_memory();
   const MappingResult& mapping = result_.mapping;
-  result_.map = VoxelMapBuilder(config_.output.map_voxel);
-  for (int id = 0; id < static_cast<int>(mapping.keyframes.size()); ++id) {
-    const KeyframePlace& place = mapping.keyframes[static_cast<std::size_t>(id)];
-    if (const auto keyframe = back_end_.store().load(id)) result_.map.add(**keyframe, place.T_world_imu);
-  }
+  build_map();
   std::vector<bool> has_keyframe(result_.maps.size(), false);
   for (const KeyframePlace& place : mapping.keyframes) has_keyframe[static_cast<std::size_t>(place.map_id)] = true;
   std::vector<ScanPlace> scans;

@@ -3,10 +3,12 @@
 // Writes the atlas in a thread of its own, so that nothing that takes long keeps keyframes from the disk.
 // Tasks are worked off in order; what comes of them is the same whoever was faster.
 
-#include <atomic>
+#include <mutex>
 #include <string>
 #include <thread>
+#include <unordered_set>
 #include <variant>
+#include <vector>
 
 #include "mmlins/pipeline/atlas_recorder.hpp"
 #include "mmlins/pipeline/task_queue.hpp"
@@ -28,19 +30,22 @@ class Storage {
   /// Waits until all is written; nothing may be added afterwards.
   void finish();
 
-  /// Whether a keyframe is on the disk, or could not be written. From any thread
-  [[nodiscard]] bool is_done_with(int keyframe) const { return keyframe < num_done_.load(); }
+  /// Whether a keyframe can be read from the atlas: never, if it could not be written. From any thread.
+  [[nodiscard]] bool is_on_disk(int keyframe) const;
   /// The first error; empty if there was none. @pre finish() has returned
   [[nodiscard]] const std::string& error() const { return error_; }
 
  private:
   using Task = std::variant<MappingTask, MapperChange>;
   void work();
-  void note(const Status& status);
+  void remember(const std::vector<int>& keyframes);
+  /// @return whether all is well
+  bool note(const Status& status);
 
   AtlasRecorder recorder_;
   std::string error_;
-  std::atomic<int> num_done_ = 0;  ///< keyframes
+  mutable std::mutex mutex_;         ///< guards what follows
+  std::unordered_set<int> on_disk_;  ///< keyframes
   TaskQueue<Task> tasks_;
   std::thread worker_;  ///< last: it uses all of the above
 };
