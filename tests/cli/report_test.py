@@ -50,7 +50,7 @@ class Data(unittest.TestCase):
 
     def test_figures_are_those_of_the_summary(self):
         figures = self.data["figures"]
-        for key in ("mmlins", "recording", "lidar_topic", "imu_topic", "threads", "scans", "scans_by_state", "scans_left_out",
+        for key in ("mmlins", "recording", "lidar_topic", "imu_topic", "threads", "scans", "scans_by_state", "scans_left_out", "scans_ahead_left_out",
                     "imu_samples_not_later", "clock_jumps_back", "interrupted", "read_error", "duration_s", "path_length_m",
                     "map_points", "stages", "wall_s", "real_time_factor"):
             self.assertEqual(figures[key], self.summary[key], key)

@@ -19,8 +19,10 @@ bool is_part_of_a_run(const std::string& name) {
 
 bool holds_a_run(const std::string& folder) {
   std::error_code failure;
-  return fs::exists(folder + "/atlas", failure) ||
-         std::any_of(std::begin(kRunFiles), std::end(kRunFiles), [&](const char* name) { return fs::exists(folder + "/" + name, failure); });
+  // Folders under the names of files are somebody else's.
+  return fs::exists(folder + "/atlas", failure) || std::any_of(std::begin(kRunFiles), std::end(kRunFiles), [&](const char* name) {
+           return fs::is_regular_file(folder + "/" + name, failure);
+         });
 }
 
 /// The atlas first: it alone may refuse.
@@ -28,7 +30,7 @@ Status move_run(const std::string& from, const std::string& to) {
   if (const Status status = atlas::Atlas::move(from + "/atlas", to + "/atlas"); !status) return status;
   std::error_code failure;
   for (const char* name : kRunFiles) {
-    if (!fs::exists(from + "/" + name, failure)) continue;
+    if (!fs::is_regular_file(from + "/" + name, failure)) continue;
     fs::rename(from + "/" + name, to + "/" + name, failure);
     if (failure) return make_error(ErrorCode::kIo, "{}/{}: cannot be moved to {}: {}", from, name, to, failure.message());
   }
@@ -74,7 +76,7 @@ Result<EarlierRun> EarlierRun::put_aside(const std::string& folder) {
   fs::create_directory(earlier.aside_, failure);
   if (failure) return make_error(ErrorCode::kIo, "{}: cannot be made: {}", earlier.aside_, failure.message());
   if (const Status status = move_run(folder, earlier.aside_); !status) {
-    // What was moved already goes back; whoever cannot be moved now, could not be before.
+    // What was moved already goes back.
     if (const Status back = earlier.put_back(); !back) return back.error();
     return status.error();
   }

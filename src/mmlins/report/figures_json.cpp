@@ -71,6 +71,7 @@ ordered_json figures_json(const ReportInput& input) {
   figures["scans"] = result.scans.size();
   figures["scans_by_state"] = states_json(result);
   figures["mapping"] = back_end_json(result.mapping);
+  figures["scans_ahead_left_out"] = result.num_scans_ahead;
   figures["scans_left_out"] = {{"before_imu", result.num_scans_without_imu}, {"not_later", result.num_scans_not_later}};
   figures["imu_samples_not_later"] = result.num_late_imu_samples;
   figures["clock_jumps_back"] = result.num_clock_jumps;

@@ -58,6 +58,10 @@ void find_reading_faults(const ReportInput& input, std::vector<Finding>& list) {
     list.push_back({Level::kWarning, counted(result.num_scans_not_later, "scan") +
                                          " left out: no later than the scan before. Look at the stamps of the LiDAR."});
   }
+  if (result.num_scans_ahead > 0) {
+    list.push_back({Level::kWarning, counted(result.num_scans_ahead, "scan") +
+                                         " left out: stamped ahead of the IMU and of what came after. Look at the stamps of the LiDAR."});
+  }
   if (result.num_late_imu_samples > 0) {
     list.push_back({Level::kNote, counted(result.num_late_imu_samples, "IMU sample") +
                                       " left out: duplicate or too late."});
