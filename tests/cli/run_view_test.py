@@ -190,19 +190,19 @@ class Run(unittest.TestCase):
 class Browser(unittest.TestCase):
     def test_the_page_grows_with_the_run_and_then_shows_the_result(self):
         browser = chromium.launch(type(self))
+        page = browser.new_page(viewport={"width": 700, "height": 500})
+        counts, deadline = set(), time.monotonic() + 120
+
+        def is_going_on():
+            self.assertLess(time.monotonic(), deadline)
+            page.wait_for_timeout(100)
+            live, num_scans = page.evaluate("window.mmlins?.scene ? [mmlins.live, mmlins.scene.scans.t.length] : ['', 0]")
+            counts.add(num_scans)
+            return live != "ended"
+
         with running("seen") as (process, port):
-            page = browser.new_page(viewport={"width": 700, "height": 500})
-            complaints = chromium.watch(page, f"http://127.0.0.1:{port}")
-            counts, deadline = set(), time.monotonic() + 120
-
-            def is_going_on():
-                self.assertLess(time.monotonic(), deadline)
-                page.wait_for_timeout(100)
-                live, num_scans = page.evaluate("window.mmlins?.scene ? [mmlins.live, mmlins.scene.scans.t.length] : ['', 0]")
-                counts.add(num_scans)
-                return live != "ended"
-
-            with slowed(process):
+            with slowed(process):  # at once: it may be over before the page has opened
+                complaints = chromium.watch(page, f"http://127.0.0.1:{port}")
                 page.goto(f"http://127.0.0.1:{port}/")
                 while is_going_on() and len(counts) <= 4:
                     pass
