@@ -55,11 +55,11 @@ class Atlas {
  public:
   /// An empty atlas. An older one at that place is replaced; a folder with anything else in it is refused.
   [[nodiscard]] static Result<Atlas> create(const std::string& folder, const AtlasOptions& options = {});
-  /// For writing: one process at a time, and a map that its process left active falls asleep.
-  /// @return an error of code kInvalid if the index is missing or damaged, but salvage() may help
   /// Moves an atlas that nobody is writing, to where nothing is yet; a folder that does not exist is left alone. What is no
   /// atlas is refused.
   [[nodiscard]] static Status move(const std::string& folder, const std::string& to);
+  /// For writing: one process at a time, and a map that its process left active falls asleep.
+  /// @return an error of code kInvalid if the index is missing or damaged, but salvage() may help
   [[nodiscard]] static Result<Atlas> open(const std::string& folder, Access access,
                                           const AtlasOptions& options = {});
   /// For reading, with an index made in memory from the chunk files and what can still be read of the old

@@ -255,7 +255,7 @@ void Runner::build_map() {
     }
   }
   if (num_lost == 0) return;
-  log::warning("{} of {} keyframes cannot be read back and are missing from the map; mmlins maps check tells more",
+  log::warning("{} of {} keyframes cannot be read back and are missing from the map; mmlins maps DIR check tells more",
                num_lost, mapping.keyframes.size());
 }
 
